@@ -1,0 +1,88 @@
+//! What a conversion ends in: level images and 4D coordinates. `write` stores it, `measure` judges it,
+//! a preview draws it; reading a converted file gives it back. Nothing here remembers how it was made.
+
+use glam::{Vec2, Vec3, Vec4};
+
+use crate::asset::Slot;
+use crate::image::{Image, Transfer};
+
+/// All converted materials of one asset, and the coordinates of every primitive that uses them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Finished {
+    pub textures: Vec<FinishedTexture>,
+    /// In order of mesh, then primitive; primitives of unconverted materials are left out.
+    pub primitives: Vec<FinishedPrimitive>,
+}
+
+/// One channel of one material at every level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinishedTexture {
+    /// Index into `Asset::materials`.
+    pub material: usize,
+    /// The glTF slots that read this channel (several where the source's slots share one image).
+    pub slots: Vec<Slot>,
+    pub transfer: Transfer,
+    /// Level 0 first. All textures of one material have the same sizes, level by level.
+    pub levels: Vec<Image>,
+}
+
+impl FinishedTexture {
+    /// Whether the stored values are tangent-space normals.
+    pub fn is_normal(&self) -> bool {
+        self.slots.contains(&Slot::Normal)
+    }
+}
+
+/// The drawn triangles of one primitive. A quad is the two triangles of its fan, in a row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FinishedPrimitive {
+    pub mesh: usize,
+    pub primitive: usize,
+    pub material: usize,
+    pub triangles: Vec<FinishedTriangle>,
+    /// The frame of each corner of each triangle, as a viewer interpolates it; where the material has a
+    /// normal map (empty otherwise).
+    pub frames: Vec<[Frame; 3]>,
+    pub cuts: Vec<PrimitiveCuts>,
+}
+
+/// A drawn triangle and where it stands in the level images: at a corner,
+/// `u_level = scaled / 2^level + offset`, in texels with centers at `.5` (MCT equation 2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FinishedTriangle {
+    /// Vertices of the asset's primitive.
+    pub vertices: [u32; 3],
+    /// `u_s`, texels of level 0.
+    pub scaled: [Vec2; 3],
+    /// `u_δ`, texels of every level.
+    pub offset: Vec2,
+}
+
+impl FinishedTriangle {
+    /// Corner `corner`'s place in the image of `level`, in texels.
+    pub fn place(&self, corner: usize, level: usize) -> Vec2 {
+        self.scaled[corner] / (level as f32).exp2() + self.offset
+    }
+
+    /// The place of barycentrics `at` (one weight for each corner, sum 1).
+    pub fn place_at(&self, at: Vec3, level: usize) -> Vec2 {
+        let scaled = self.scaled[0] * at.x + self.scaled[1] * at.y + self.scaled[2] * at.z;
+        scaled / (level as f32).exp2() + self.offset
+    }
+}
+
+/// The tangent frame at a corner: unit normal, unit tangent, `w` the handedness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frame {
+    pub normal: Vec3,
+    pub tangent: Vec4,
+}
+
+/// Which edges of a primitive one texture does not join.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PrimitiveCuts {
+    /// Index into `Finished::textures`.
+    pub texture: usize,
+    /// One value for each triangle: bit k set where the edge from corner k to k + 1 is a cut.
+    pub bits: Vec<u8>,
+}

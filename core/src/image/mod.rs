@@ -1,0 +1,9 @@
+//! Planes of texels: stored codes, their meaning, and how a sampler reads them.
+
+pub mod planes;
+pub mod sample;
+pub mod wrap;
+
+pub use planes::{Image, Pixels, Transfer};
+pub use sample::bilinear;
+pub use wrap::{Wrap, WrapMode};

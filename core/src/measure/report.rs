@@ -1,0 +1,203 @@
+//! The report's types: what `report.json` holds. Everything in it is a function of input, options and
+//! version; times and memory stand in `run.json`.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::Warning;
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// `converted` for a conversion or a converted file, `source` for a plain model.
+    pub kind: SubjectKind,
+    pub engine_version: String,
+    pub verdict: Verdict,
+    /// Broken guarantees, one sentence each.
+    pub errors: Vec<String>,
+    pub warnings: Vec<Warning>,
+    /// Largest seam over all channels that are measured in codes, uncut edges, all levels.
+    pub max_seam_delta_codes: f64,
+    /// The options as resolved, by their names on the command line.
+    pub options: serde_json::Map<String, serde_json::Value>,
+    pub channels: Vec<ChannelReport>,
+    pub layouts: Vec<LayoutReport>,
+    pub growth: Growth,
+    pub effects: Vec<Effect>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SubjectKind {
+    Source,
+    Converted,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Every guarantee holds.
+    Pass,
+    /// It holds, and something deserves a look.
+    Warn,
+    /// A guarantee of the bundle is broken.
+    Fail,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unit {
+    /// 8-bit code values: sRGB-encoded for color, the value for data, times 255.
+    Codes,
+    /// Degrees between decoded object-space normals.
+    Degrees,
+}
+
+/// One channel of one material.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ChannelReport {
+    /// Index into the model's materials.
+    pub material: usize,
+    pub material_name: String,
+    /// glTF slot names.
+    pub slots: Vec<String>,
+    pub unit: Unit,
+    pub components: u32,
+    /// Bits of one stored code.
+    pub bits: u32,
+    /// Which edges were joined, by share of seam length (edges where the source's charts meet).
+    pub cuts: CutShare,
+    pub levels: Vec<LevelReport>,
+    pub fidelity: Option<Fidelity>,
+    /// One entry for each level that had anything out of range.
+    pub solver: Vec<SolverReport>,
+}
+
+/// Seam edges of the source: edges between faces of one unit whose texture coordinates differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CutShare {
+    pub seam_edge_count: u64,
+    /// Length of seam edges over the length of all inner edges, world units, 0 to 1.
+    pub seam_share: f64,
+    /// Of the seam length, the share joined.
+    pub welded_share: f64,
+    /// Of the seam length, the share kept as cuts.
+    pub cut_share: f64,
+    /// Cut edges, seam or not.
+    pub cut_edge_count: u64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LevelReport {
+    pub level: u32,
+    /// Width and height in texels.
+    pub size: [u32; 2],
+    /// Over uncut edges (of a plain source: over all seam edges).
+    pub seams: Option<Figures>,
+    /// Mean jump over the seam edges whose two sides agree in the source at level 0.
+    pub drift: Option<f64>,
+    /// The same figures of the source with ordinary mip maps, at its level of this number.
+    pub source: Option<SourceLevel>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SourceLevel {
+    pub size: [u32; 2],
+    pub seams: Option<Figures>,
+    pub drift: Option<f64>,
+}
+
+/// Statistics of jumps between the two sides of edges, in the channel's unit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Figures {
+    pub max: f64,
+    /// 99.9th percentile of the samples.
+    pub p999: f64,
+    /// Weighted by edge length.
+    pub mean: f64,
+    pub sample_count: u64,
+}
+
+/// Faithfulness at level 0, at random points of the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fidelity {
+    /// Decibels over 255 codes; 99 stands for "no difference". Degrees' root mean square for normals is
+    /// in `rms`.
+    pub psnr_db: f64,
+    /// Root mean square error in the channel's unit.
+    pub rms: f64,
+    /// What one bilinear resampling of the source onto a grid turned by 27° gives at as many texels.
+    pub yardstick_psnr_db: f64,
+    pub yardstick_rms: f64,
+    pub point_count: u64,
+}
+
+/// What the representability solver did on one level.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SolverReport {
+    pub level: u32,
+    /// Constrained texel components.
+    pub row_count: u64,
+    /// Of these, out of range before the solve.
+    pub violated_count: u64,
+    pub iteration_count: u64,
+    /// Largest violation that is left, linear values.
+    pub residual: f64,
+    /// Change of the samples, in codes.
+    pub change_mean_codes: f64,
+    pub change_max_codes: f64,
+}
+
+/// One material's layout.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LayoutReport {
+    pub material: usize,
+    pub material_name: String,
+    pub face_count: u64,
+    pub quad_count: u64,
+    pub merged_pair_count: u64,
+    pub lone_triangle_count: u64,
+    /// Faces by resolution exponent, from 0.
+    pub exponents: Vec<u64>,
+    pub levels: Vec<LayoutLevel>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LayoutLevel {
+    pub level: u32,
+    pub size: [u32; 2],
+    pub allocated_texels: u64,
+    /// Share of the allocated texels that no face uses (MCT Table 1).
+    pub waste: f64,
+    /// Distinct samples over allocated texels.
+    pub efficiency: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Growth {
+    /// Texels of all source images of converted materials, level 0.
+    pub source_texels: u64,
+    /// Texels of all converted images, level 0.
+    pub converted_texels: u64,
+    /// Texels of all converted images, all levels.
+    pub converted_texels_all_levels: u64,
+    pub source_vertices: u64,
+    pub converted_vertices: u64,
+    pub source_bytes: u64,
+    pub converted_bytes: u64,
+}
+
+/// One thing that the conversion did, or left because the asset does not call for it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Effect {
+    /// Snake-case name, such as `normal_encoding`.
+    pub name: String,
+    pub state: EffectState,
+    /// Skipped: why. Run: what it did, with a figure.
+    pub detail: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EffectState {
+    Run,
+    Skipped,
+}

@@ -1,0 +1,1 @@
+//! Canvas mesh: weld, topology.
