@@ -16,6 +16,8 @@ pub mod image;
 
 pub mod mesh;
 
+pub mod colors;
+
 pub mod asset;
 
 pub mod read;

@@ -1,1 +1,102 @@
-//! Canvas mesh: weld, topology.
+//! The canvas mesh: the welded polygon mesh that mesh colors live on.
+//!
+//! One canvas covers all faces of one material. Vertices are welded by exact position inside one mesh of
+//! the asset; edges know every face around them, in face order, however many there are.
+
+mod build;
+#[cfg(test)]
+mod tests;
+
+pub use build::{Polygons, build};
+
+use glam::Vec3;
+
+/// Guarantees: indices are in range; `edges` is sorted by first appearance in face order; the sides of an
+/// edge are in face order; an edge whose two ends are one vertex has exactly one side.
+#[derive(Clone, Debug, Default)]
+pub struct CanvasMesh {
+    /// Welded vertices, mesh space.
+    pub positions: Vec<Vec3>,
+    pub faces: Vec<CanvasFace>,
+    pub edges: Vec<CanvasEdge>,
+    /// The sides of all edges; `CanvasEdge` holds its range.
+    sides: Vec<Side>,
+}
+
+/// A triangle or quad: `vertices[..count]`; edge `k` runs from corner `k` to corner `k + 1`.
+#[derive(Clone, Copy, Debug)]
+pub struct CanvasFace {
+    pub vertices: [u32; 4],
+    pub edges: [u32; 4],
+    pub count: u8,
+    /// Bit k set where edge k runs against its canvas edge (from `vertices[1]` to `vertices[0]`).
+    pub reversed: u8,
+    /// Where the face comes from: mesh, primitive and face of the asset.
+    pub mesh: u32,
+    pub primitive: u32,
+    pub face: u32,
+    /// Mesh-space area of its drawn triangles.
+    pub area: f32,
+}
+
+/// An edge from the vertex of the lower number to the higher one.
+#[derive(Clone, Copy, Debug)]
+pub struct CanvasEdge {
+    pub vertices: [u32; 2],
+    first_side: u32,
+    side_count: u32,
+}
+
+/// One face's use of an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Side {
+    pub face: u32,
+    /// Which edge of the face.
+    pub edge: u8,
+}
+
+impl CanvasFace {
+    pub fn count(&self) -> usize {
+        usize::from(self.count)
+    }
+
+    pub fn is_triangle(&self) -> bool {
+        self.count == 3
+    }
+
+    pub fn is_reversed(&self, edge: usize) -> bool {
+        self.reversed >> edge & 1 == 1
+    }
+}
+
+impl CanvasMesh {
+    pub fn sides(&self, edge: &CanvasEdge) -> &[Side] {
+        let first = edge.first_side as usize;
+        &self.sides[first..first + edge.side_count as usize]
+    }
+
+    /// The corner of a face that stands at the low end (`end` 0) or high end (`end` 1) of its edge.
+    pub fn corner_at_end(&self, side: Side, end: usize) -> usize {
+        let face = &self.faces[side.face as usize];
+        let edge = usize::from(side.edge);
+        let second = usize::from(face.is_reversed(edge)) != end;
+        (edge + usize::from(second)) % face.count()
+    }
+
+    pub fn edge_length(&self, edge: &CanvasEdge) -> f32 {
+        self.positions[edge.vertices[0] as usize].distance(self.positions[edge.vertices[1] as usize])
+    }
+}
+
+/// The triangle (corner numbers) and barycentrics of the point `(s, t)` of a face's unit domain. On a
+/// triangle `s` and `t` weigh corners 1 and 2; a quad's unit square is drawn as two triangles over the
+/// diagonal from corner 0 to corner 2, and the point lies on the drawn surface.
+pub fn surface_point(corner_count: usize, s: f32, t: f32) -> ([usize; 3], Vec3) {
+    if corner_count == 3 {
+        ([0, 1, 2], Vec3::new(1.0 - s - t, s, t))
+    } else if t <= s {
+        ([0, 1, 2], Vec3::new(1.0 - s, s - t, t))
+    } else {
+        ([0, 2, 3], Vec3::new(1.0 - t, s, t - s))
+    }
+}

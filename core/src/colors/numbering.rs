@@ -1,0 +1,232 @@
+//! Sample numbers of one channel at one level: fans first, then strips, then face interiors.
+
+use glam::Vec4;
+
+use crate::mesh::CanvasMesh;
+
+use super::{ChannelTopology, Resolutions, exponent_at};
+
+/// A face's view of one grid point: a sample, or a point between two samples of a coarser edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tap {
+    pub samples: [u32; 2],
+    /// Weight of the second sample; 0 where the point is a sample.
+    pub second: f32,
+}
+
+impl Tap {
+    fn one(sample: u32) -> Self {
+        Self { samples: [sample, sample], second: 0.0 }
+    }
+
+    pub fn value(&self, values: &[Vec4]) -> Vec4 {
+        let first = values[self.samples[0] as usize];
+        if self.second == 0.0 {
+            return first;
+        }
+        first.lerp(values[self.samples[1] as usize], self.second)
+    }
+}
+
+pub struct LevelNumbering<'a> {
+    pub canvas: &'a CanvasMesh,
+    pub topology: &'a ChannelTopology,
+    pub level: usize,
+    /// Exponents at this level.
+    face_exponents: Vec<u8>,
+    strip_exponents: Vec<u8>,
+    strip_first: Vec<u32>,
+    face_first: Vec<u32>,
+}
+
+impl<'a> LevelNumbering<'a> {
+    pub fn new(
+        canvas: &'a CanvasMesh,
+        topology: &'a ChannelTopology,
+        resolutions: &Resolutions,
+        level: usize,
+    ) -> Self {
+        let face_exponents: Vec<u8> = resolutions.faces.iter().map(|&r| exponent_at(r, level)).collect();
+        let strip_exponents: Vec<u8> =
+            topology.strips.iter().map(|strip| exponent_at(strip.exponent, level)).collect();
+        let mut next = topology.fan_count() as u32;
+        let mut take = |count: u32| {
+            let first = next;
+            next += count;
+            first
+        };
+        let mut strip_first: Vec<u32> = strip_exponents.iter().map(|&e| take((1 << e) - 1)).collect();
+        strip_first.push(take(0));
+        let mut face_first: Vec<u32> = (canvas.faces.iter().zip(&face_exponents))
+            .map(|(face, &e)| take(interior_count(face.is_triangle(), 1 << e)))
+            .collect();
+        face_first.push(take(0));
+        Self { canvas, topology, level, face_exponents, strip_exponents, strip_first, face_first }
+    }
+
+    pub fn sample_count(&self) -> usize {
+        self.face_first[self.face_first.len() - 1] as usize
+    }
+
+    /// Segments along a side of the face at this level.
+    pub fn segments(&self, face: usize) -> u32 {
+        1 << self.face_exponents[face]
+    }
+
+    pub fn strip_segments(&self, strip: usize) -> u32 {
+        1 << self.strip_exponents[strip]
+    }
+
+    pub fn fan_range(&self) -> std::ops::Range<usize> {
+        0..self.topology.fan_count()
+    }
+
+    /// Samples inside the strip, low end first; its ends are fans.
+    pub fn strip_range(&self, strip: usize) -> std::ops::Range<usize> {
+        self.strip_first[strip] as usize..self.strip_first[strip + 1] as usize
+    }
+
+    /// Interior samples of the face: rows of constant `j`, from 1, `i` from 1.
+    pub fn face_range(&self, face: usize) -> std::ops::Range<usize> {
+        self.face_first[face] as usize..self.face_first[face + 1] as usize
+    }
+
+    /// Sample number `at` of a strip, 0 being the low fan and `strip_segments` the high one.
+    pub fn strip_sample(&self, strip: usize, at: u32) -> u32 {
+        let fans = self.topology.strips[strip].fans;
+        if at == 0 {
+            fans[0]
+        } else if at == self.strip_segments(strip) {
+            fans[1]
+        } else {
+            self.strip_first[strip] + at - 1
+        }
+    }
+
+    /// The face's view of its grid point `(i, j)`.
+    pub fn tap(&self, face: usize, i: u32, j: u32) -> Tap {
+        let canvas_face = &self.canvas.faces[face];
+        let n = self.segments(face);
+        let Some((edge, along)) = on_edge(canvas_face.is_triangle(), n, i, j) else {
+            return Tap::one(self.face_first[face] + interior_index(canvas_face.is_triangle(), n, i, j));
+        };
+        self.edge_tap(face, edge, along)
+    }
+
+    /// The face's view of point `along` (0 to `segments`, from corner `edge`) on one of its edges.
+    pub fn edge_tap(&self, face: usize, edge: usize, along: u32) -> Tap {
+        let n = self.segments(face);
+        let count = self.canvas.faces[face].count();
+        // Corners are read off the fan table: on an edge without length both ends differ by fan only.
+        if along == 0 || along == n {
+            let corner = if along == 0 { edge } else { (edge + 1) % count };
+            return Tap::one(self.topology.fan_of[face][corner]);
+        }
+        let strip = self.topology.strip_of[face][edge] as usize;
+        let from_low = if self.canvas.faces[face].is_reversed(edge) { n - along } else { along };
+        let step = n / self.strip_segments(strip);
+        let (at, rest) = (from_low / step, from_low % step);
+        let first = self.strip_sample(strip, at);
+        if rest == 0 {
+            return Tap::one(first);
+        }
+        Tap { samples: [first, self.strip_sample(strip, at + 1)], second: rest as f32 / step as f32 }
+    }
+
+    /// Fills `grid` with the face's values at this level.
+    pub fn fill(&self, face: usize, values: &[Vec4], grid: &mut FaceGrid) {
+        let is_triangle = self.canvas.faces[face].is_triangle();
+        let n = self.segments(face);
+        grid.reset(is_triangle, n);
+        let count = self.canvas.faces[face].count();
+        for edge in 0..count {
+            for along in 0..n {
+                let (i, j) = edge_point(is_triangle, n, edge, along);
+                *grid.at_mut(i, j) = self.edge_tap(face, edge, along).value(values);
+            }
+        }
+        let mut interior = values[self.face_range(face)].iter();
+        for j in 1..n {
+            let end = if is_triangle { n - j } else { n };
+            for (i, value) in (1..end).zip(&mut interior) {
+                *grid.at_mut(i, j) = *value;
+            }
+        }
+    }
+}
+
+/// All values of one face at one level, `(i, j)` as in the module's doc.
+#[derive(Clone, Debug, Default)]
+pub struct FaceGrid {
+    pub segments: u32,
+    pub is_triangle: bool,
+    values: Vec<Vec4>,
+}
+
+impl FaceGrid {
+    pub fn reset(&mut self, is_triangle: bool, segments: u32) {
+        self.segments = segments;
+        self.is_triangle = is_triangle;
+        let side = segments as usize + 1;
+        self.values.clear();
+        self.values.resize(side * side, Vec4::ZERO);
+    }
+
+    pub fn at(&self, i: u32, j: u32) -> Vec4 {
+        self.values[(j * (self.segments + 1) + i) as usize]
+    }
+
+    pub fn at_mut(&mut self, i: u32, j: u32) -> &mut Vec4 {
+        &mut self.values[(j * (self.segments + 1) + i) as usize]
+    }
+
+    /// Every value, for changes that do not depend on the place.
+    pub fn for_each(&mut self, change: impl FnMut(&mut Vec4)) {
+        self.values.iter_mut().for_each(change);
+    }
+}
+
+/// Samples inside a face of `n` segments a side (MC equation 3).
+fn interior_count(is_triangle: bool, n: u32) -> u32 {
+    let inner = n - 1;
+    if is_triangle { inner * inner.saturating_sub(1) / 2 } else { inner * inner }
+}
+
+fn interior_index(is_triangle: bool, n: u32, i: u32, j: u32) -> u32 {
+    let before = if is_triangle { (j - 1) * (n - 1) - (j - 1) * j / 2 } else { (j - 1) * (n - 1) };
+    before + i - 1
+}
+
+/// The edge that a grid point lies on, and its distance from the edge's first corner.
+fn on_edge(is_triangle: bool, n: u32, i: u32, j: u32) -> Option<(usize, u32)> {
+    if j == 0 {
+        Some((0, i))
+    } else if is_triangle {
+        if i + j == n {
+            Some((1, j))
+        } else if i == 0 {
+            Some((2, n - j))
+        } else {
+            None
+        }
+    } else if i == n {
+        Some((1, j))
+    } else if j == n {
+        Some((2, n - i))
+    } else if i == 0 {
+        Some((3, n - j))
+    } else {
+        None
+    }
+}
+
+/// The grid point at distance `along` from the first corner of an edge.
+pub(super) fn edge_point(is_triangle: bool, n: u32, edge: usize, along: u32) -> (u32, u32) {
+    match (is_triangle, edge) {
+        (_, 0) => (along, 0),
+        (true, 1) => (n - along, along),
+        (false, 1) => (n, along),
+        (false, 2) => (n - along, n),
+        _ => (0, n - along),
+    }
+}

@@ -1,0 +1,98 @@
+use glam::{Vec3, Vec4};
+
+use super::numbering::edge_point;
+use super::{ChannelTopology, Cuts, FaceGrid, LevelNumbering, Resolutions};
+use crate::mesh::{CanvasMesh, Polygons, build};
+
+fn two_triangles_and_a_quad() -> CanvasMesh {
+    let positions = [
+        Vec3::ZERO,
+        Vec3::X,
+        Vec3::Y,
+        Vec3::new(1.0, 1.0, 0.0),
+        Vec3::new(0.0, 2.0, 0.0),
+        Vec3::new(1.0, 2.0, 0.0),
+    ];
+    let faces = [([0, 1, 2, 0], 3), ([1, 3, 2, 0], 3), ([2, 3, 5, 4], 4)];
+    build([Polygons { mesh: 0, primitive: 0, positions: &positions, faces: &mut faces.into_iter() }])
+}
+
+/// Every sample has exactly one number, every face sees its grid, and both sides see the same edge.
+#[test]
+fn numbers_are_dense_and_shared() {
+    let canvas = two_triangles_and_a_quad();
+    let resolutions = Resolutions { faces: vec![2, 3, 1] };
+    let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
+    assert_eq!(topology.fan_count(), 6);
+    for level in 0..5 {
+        let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, level);
+        let mut seen = vec![false; numbering.sample_count()];
+        for face in 0..canvas.faces.len() {
+            let n = numbering.segments(face);
+            for j in 0..=n {
+                let end = if canvas.faces[face].is_triangle() { n - j } else { n };
+                for i in 0..=end {
+                    for sample in numbering.tap(face, i, j).samples {
+                        seen[sample as usize] = true;
+                    }
+                }
+            }
+        }
+        assert!(seen.into_iter().all(|s| s), "level {level} has samples that no face sees");
+    }
+}
+
+#[test]
+fn a_finer_face_interpolates_the_coarser_edge() {
+    let canvas = two_triangles_and_a_quad();
+    let resolutions = Resolutions { faces: vec![1, 3, 1] };
+    let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
+    let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
+    // Edge 2 of face 1 and edge 1 of face 0 are the same edge, between vertices 1 and 2.
+    let values: Vec<Vec4> = (0..numbering.sample_count()).map(|k| Vec4::splat((k * k) as f32)).collect();
+    for along in 0..=8 {
+        let fine = numbering.edge_tap(1, 2, along).value(&values);
+        let coarse_at = (8 - along) as f32 / 4.0;
+        let low = numbering.edge_tap(0, 1, coarse_at.floor() as u32).value(&values);
+        let high = numbering.edge_tap(0, 1, (coarse_at.floor() as u32 + 1).min(2)).value(&values);
+        assert!((fine - low.lerp(high, coarse_at.fract())).abs().max_element() < 1e-4);
+    }
+}
+
+#[test]
+fn a_cut_parts_the_strip_and_what_only_it_connects() {
+    let canvas = two_triangles_and_a_quad();
+    let resolutions = Resolutions { faces: vec![1, 1, 1] };
+    let mut cuts = Cuts::none(&canvas);
+    let shared = canvas.edges.iter().position(|edge| edge.vertices == [1, 2]).unwrap();
+    cuts.edges[shared] = true;
+    let topology = ChannelTopology::new(&canvas, &resolutions, &cuts);
+    // Vertices 1 and 2 each fall in two: face 0 against the others.
+    assert_eq!(topology.fan_count(), 8);
+    assert_ne!(topology.strip_of[0][1], topology.strip_of[1][2]);
+    assert_eq!(topology.strip_of[1][1], topology.strip_of[2][0]);
+}
+
+#[test]
+fn filling_a_grid_agrees_with_its_taps() {
+    let canvas = two_triangles_and_a_quad();
+    let resolutions = Resolutions { faces: vec![2, 3, 2] };
+    let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
+    let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
+    let values: Vec<Vec4> = (0..numbering.sample_count()).map(|k| Vec4::splat(k as f32)).collect();
+    let mut grid = FaceGrid::default();
+    for (face, canvas_face) in canvas.faces.iter().enumerate() {
+        numbering.fill(face, &values, &mut grid);
+        let n = grid.segments;
+        for j in 0..=n {
+            let end = if grid.is_triangle { n - j } else { n };
+            for i in 0..=end {
+                assert_eq!(grid.at(i, j), numbering.tap(face, i, j).value(&values));
+            }
+        }
+        for edge in 0..canvas_face.count() {
+            let (i, j) = edge_point(grid.is_triangle, n, edge, 1);
+            assert_eq!(grid.at(i, j), numbering.edge_tap(face, edge, 1).value(&values));
+        }
+    }
+}
