@@ -22,6 +22,18 @@ pub mod asset;
 
 pub mod read;
 
+pub mod source;
+
+pub mod resample;
+
+pub mod mip;
+
+pub mod layout;
+
+pub mod assign;
+
+pub mod solve;
+
 pub mod finished;
 
 pub mod measure;

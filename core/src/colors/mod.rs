@@ -4,11 +4,13 @@
 //! `i, j >= 0, i + j <= n` at `((n-i-j) v0 + i v1 + j v2) / n`; on a quad `0 <= i, j <= n` at `(i/n, j/n)`
 //! of the unit square with corners (0,0), (1,0), (1,1), (0,1).
 
+mod areas;
 mod numbering;
 #[cfg(test)]
 mod tests;
 mod topology;
 
+pub use areas::sample_areas;
 pub use numbering::{FaceGrid, LevelNumbering, Tap};
 pub use topology::{ChannelTopology, Strip};
 

@@ -68,6 +68,11 @@ impl<'a> LevelNumbering<'a> {
         self.face_first[self.face_first.len() - 1] as usize
     }
 
+    /// Samples on vertices and edges; those inside faces follow.
+    pub fn shared_count(&self) -> usize {
+        self.face_first[0] as usize
+    }
+
     /// Segments along a side of the face at this level.
     pub fn segments(&self, face: usize) -> u32 {
         1 << self.face_exponents[face]
@@ -75,10 +80,6 @@ impl<'a> LevelNumbering<'a> {
 
     pub fn strip_segments(&self, strip: usize) -> u32 {
         1 << self.strip_exponents[strip]
-    }
-
-    pub fn fan_range(&self) -> std::ops::Range<usize> {
-        0..self.topology.fan_count()
     }
 
     /// Samples inside the strip, low end first; its ends are fans.

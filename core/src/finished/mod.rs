@@ -1,10 +1,12 @@
 //! What a conversion ends in: level images and 4D coordinates. `write` stores it, `measure` judges it,
 //! a preview draws it; reading a converted file gives it back. Nothing here remembers how it was made.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3};
 
 use crate::asset::Slot;
 use crate::image::{Image, Transfer};
+
+pub use crate::math::frame::Frame;
 
 /// All converted materials of one asset, and the coordinates of every primitive that uses them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -69,13 +71,6 @@ impl FinishedTriangle {
         let scaled = self.scaled[0] * at.x + self.scaled[1] * at.y + self.scaled[2] * at.z;
         scaled / (level as f32).exp2() + self.offset
     }
-}
-
-/// The tangent frame at a corner: unit normal, unit tangent, `w` the handedness.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frame {
-    pub normal: Vec3,
-    pub tangent: Vec4,
 }
 
 /// Which edges of a primitive one texture does not join.

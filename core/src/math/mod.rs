@@ -1,3 +1,5 @@
-//! Numbers without a subject: color transfer and the geometry of sample grids.
+//! Numbers without a subject: color transfer, tangent frames, weighted means.
 
+pub mod frame;
+pub mod mean;
 pub mod transfer;

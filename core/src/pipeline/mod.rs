@@ -1,6 +1,10 @@
 //! The table of contents: one asset's journey through the stages.
 
+mod assemble;
+mod channel;
+mod material;
 pub mod options;
+mod progress;
 
 pub use options::{OPTIONS, OptionSpec, Options, Resolution, Sampling, Solver};
 

@@ -1,0 +1,82 @@
+//! Texel rules: every texel as a short linear combination of mesh color samples of the same level.
+//!
+//! Up to vertex colors a texel copies a sample (or a point of a coarser edge), and the border texels beside
+//! a lone triangle's diagonal are `c3 = c1 + c2 - c0` (MCT equation 1). Beyond vertex colors the linear or
+//! bilinear function through a block's corners is extrapolated to the texels around it (MCT 3.4).
+
+mod codec;
+mod frames;
+mod paint;
+mod rules;
+#[cfg(test)]
+mod tests;
+
+pub use codec::Codec;
+pub use frames::{NormalFrames, choose_frames};
+pub use paint::paint;
+pub use rules::{Rules, rules};
+
+use glam::{Vec3, Vec4, Vec4Swizzles};
+
+use crate::colors::{Cuts, LevelNumbering};
+use crate::layout::Layout;
+
+/// One channel at one level, as rules and texels are made from it.
+pub struct LevelChannel<'a> {
+    pub layout: &'a Layout,
+    pub numbering: &'a LevelNumbering<'a>,
+    pub cuts: &'a Cuts,
+    pub codec: Codec,
+    /// Of normal channels: the frames that the stored normals refer to.
+    pub frames: Option<&'a NormalFrames>,
+}
+
+impl LevelChannel<'_> {
+    /// The value of a sample as the texels of `face` store it, at `(s, t)` of the face's unit domain: the
+    /// value itself, or a normal in the face's frame, scaled to [0, 1].
+    fn stored(&self, face: usize, value: Vec4, s: f32, t: f32) -> Vec4 {
+        match self.frames {
+            None => value,
+            Some(frames) => {
+                let to_stored = frames.to_stored(self.numbering.canvas, face, s, t);
+                (Vec3::splat(0.5) + to_stored * value.xyz()).extend(1.0)
+            }
+        }
+    }
+
+    /// Whether nobody shares the edge that a lone triangle has on its diagonal: one side, or a cut.
+    fn is_free(&self, face: usize, edge: usize) -> bool {
+        let number = self.numbering.canvas.faces[face].edges[edge] as usize;
+        let canvas = self.numbering.canvas;
+        self.cuts.edges[number] || canvas.sides(&canvas.edges[number]).len() == 1
+    }
+
+    /// The corner of a lone triangle at the square's corner, and the edge on its diagonal.
+    fn right_angle(&self, face: usize) -> (usize, usize) {
+        let corners = &self.layout.placements[face].corners;
+        let distance = |a: [u8; 2], b: [u8; 2]| a[0].abs_diff(b[0]) + a[1].abs_diff(b[1]);
+        let diagonal = (0..3).find(|&k| distance(corners[k], corners[(k + 1) % 3]) == 2).unwrap_or(1);
+        ((diagonal + 2) % 3, diagonal)
+    }
+}
+
+/// Grid coordinates of the point of a lone triangle that lies `x` segments from corner `right` towards the
+/// next corner and `y` towards the one after.
+fn from_right_angle(right: usize, n: u32, x: u32, y: u32) -> (u32, u32) {
+    match right {
+        0 => (x, y),
+        1 => (n - x - y, x),
+        _ => (y, n - x - y),
+    }
+}
+
+/// `(s, t)` of a face's corner on its unit domain.
+fn corner_point(is_triangle: bool, corner: usize) -> (f32, f32) {
+    match (is_triangle, corner) {
+        (_, 0) => (0.0, 0.0),
+        (_, 1) => (1.0, 0.0),
+        (true, _) => (0.0, 1.0),
+        (false, 2) => (1.0, 1.0),
+        (false, _) => (0.0, 1.0),
+    }
+}

@@ -1,0 +1,166 @@
+//! The texel rules that may leave the format's range, as rows for a solver: a texel component is
+//! `constant + Σ weight · variable`.
+//!
+//! Copies are samples and need no row. Variables are samples (one component at a time), or for normals the
+//! three components of each sample, since frames mix them.
+
+use glam::Mat3;
+
+use crate::colors::Tap;
+use crate::layout::{Block, BlockKind};
+
+use super::paint::{BeyondCell, corner_weights};
+use super::{LevelChannel, corner_point, from_right_angle};
+
+/// Rows in the order of blocks; terms of a row name each variable once.
+#[derive(Clone, Debug, Default)]
+pub struct Rules {
+    first_term: Vec<u32>,
+    terms: Vec<(u32, f32)>,
+    constants: Vec<f32>,
+}
+
+impl Rules {
+    pub fn len(&self) -> usize {
+        self.constants.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.constants.is_empty()
+    }
+
+    pub fn constant(&self, row: usize) -> f32 {
+        self.constants[row]
+    }
+
+    /// `(variable, weight)` of a row.
+    pub fn terms(&self, row: usize) -> &[(u32, f32)] {
+        &self.terms[self.first_term[row] as usize..self.first_term[row + 1] as usize]
+    }
+
+    fn push(&mut self, terms: &[(u32, f32)], constant: f32) {
+        if self.first_term.is_empty() {
+            self.first_term.push(0);
+        }
+        let first = self.terms.len();
+        for &(variable, weight) in terms {
+            match self.terms[first..].iter_mut().find(|(known, _)| *known == variable) {
+                Some((_, sum)) => *sum += weight,
+                None => self.terms.push((variable, weight)),
+            }
+        }
+        self.first_term.push(self.terms.len() as u32);
+        self.constants.push(constant);
+    }
+}
+
+/// The rows of one level.
+pub fn rules(channel: &LevelChannel<'_>) -> Rules {
+    let mut builder = Builder { channel, rules: Rules::default() };
+    for block in &channel.layout.blocks {
+        let (first, second) = block.kind.faces();
+        let is_beyond = block.segments >> channel.numbering.level == 0;
+        match block.kind {
+            BlockKind::Quad(_) | BlockKind::Merged(_) => {
+                if is_beyond {
+                    builder.beyond(block, &[Some(first), second]);
+                }
+            }
+            BlockKind::Lone(_) | BlockKind::Twins(_) => {
+                for face in std::iter::once(first).chain(second) {
+                    if is_beyond {
+                        builder.beyond(block, &[Some(face)]);
+                    } else {
+                        builder.border(face as usize);
+                    }
+                }
+            }
+        }
+    }
+    builder.rules
+}
+
+/// A weighted sample as a face stores it.
+struct Part {
+    sample: u32,
+    weight: f32,
+    face: usize,
+    at: (f32, f32),
+}
+
+struct Builder<'a> {
+    channel: &'a LevelChannel<'a>,
+    rules: Rules,
+}
+
+impl Builder<'_> {
+    /// MCT equation 1 along the diagonal; nothing has to match on an edge that nobody shares.
+    fn border(&mut self, face: usize) {
+        let (right, diagonal) = self.channel.right_angle(face);
+        if self.channel.is_free(face, diagonal) {
+            return;
+        }
+        let n = self.channel.numbering.segments(face);
+        let scale = 1.0 / n as f32;
+        for x in 1..=n {
+            let y = n + 1 - x;
+            let mut parts = Vec::with_capacity(6);
+            for (x, y, weight) in [(x, y - 1, 1.0), (x - 1, y, 1.0), (x - 1, y - 1, -1.0)] {
+                let (i, j) = from_right_angle(right, n, x, y);
+                let Tap { samples, second } = self.channel.numbering.tap(face, i, j);
+                let at = (i as f32 * scale, j as f32 * scale);
+                let mut add = |sample, weight| parts.push(Part { sample, weight, face, at });
+                if second != 0.0 {
+                    add(samples[1], weight * second);
+                }
+                add(samples[0], weight * (1.0 - second));
+            }
+            self.push(&parts);
+        }
+    }
+
+    /// The texels whose bilinear footprint the block (or lone triangle) is.
+    fn beyond(&mut self, block: &Block, faces: &[Option<u32>]) {
+        let numbering = self.channel.numbering;
+        let mut corners = [[None; 2]; 2];
+        for face in faces.iter().flatten().map(|&face| face as usize) {
+            for corner in 0..numbering.canvas.faces[face].count() {
+                let [x, y] = self.channel.layout.placements[face].corners[corner].map(usize::from);
+                corners[y][x] = Some((face, corner));
+            }
+        }
+        let cell = BeyondCell::new(self.channel, block, faces[0].unwrap_or(0) as usize);
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let weights = corner_weights(corners.map(|row| row.map(|c| c.is_some())), cell.at(dx, dy));
+            let parts = weights.into_iter().filter_map(|([x, y], weight)| {
+                let (face, corner) = corners[y][x]?;
+                let sample = numbering.topology.fan_of[face][corner];
+                let at = corner_point(numbering.canvas.faces[face].is_triangle(), corner);
+                Some(Part { sample, weight, face, at })
+            });
+            let parts: Vec<Part> = parts.collect();
+            self.push(&parts);
+        }
+    }
+
+    fn push(&mut self, parts: &[Part]) {
+        let Some(frames) = self.channel.frames else {
+            let terms: Vec<_> = parts.iter().map(|part| (part.sample, part.weight)).collect();
+            self.rules.push(&terms, 0.0);
+            return;
+        };
+        let maps: Vec<Mat3> = (parts.iter())
+            .map(|part| frames.to_stored(self.channel.numbering.canvas, part.face, part.at.0, part.at.1))
+            .collect();
+        for component in 0..3 {
+            let terms: Vec<_> = (parts.iter().zip(&maps))
+                .flat_map(|(part, map)| {
+                    let row = map.row(component);
+                    (0u32..3).map(move |k| (part.sample * 3 + k, part.weight * row[k as usize]))
+                })
+                .collect();
+            // Stored values are 1/2 plus the mapped normal, and the weights of a rule sum to 1.
+            self.rules.push(&terms, 0.5);
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Where every face stands in the level images: blocks, their pairing and packing, 4D coordinates.
+//!
+//! A block is a square of `n + 1` texels for a quad or a merged pair of triangles, or a rectangle of
+//! `n + 4` by `n + 1` for two lone triangles, the second turned by 180° and shifted by three texels: each
+//! of the two needs a line of border texels of its own (MCT 3.1), which the increments of MCT Algorithm 1
+//! leave no room for.
+
+mod pairing;
+mod rows;
+#[cfg(test)]
+mod tests;
+
+pub use pairing::pair_triangles;
+pub use rows::{LayoutRequest, arrange};
+
+use glam::Vec2;
+
+/// Texels that a block keeps to the next, at every level: `b` of MCT 3.4, so that footprints stay apart
+/// beyond vertex colors too.
+pub const SEPARATION: u32 = 2;
+/// Constant shift of the second lone triangle of a block, in texels of every level.
+pub const TWIN_SHIFT: u32 = 3;
+
+/// Faces in one block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BlockKind {
+    Quad(u32),
+    /// Two triangles of one exponent that share the diagonal from (n, 0) to (0, n).
+    Merged([u32; 2]),
+    Lone(u32),
+    /// Two unrelated triangles of one exponent.
+    Twins([u32; 2]),
+}
+
+/// A block at its place: at a level, texel `origin / 2^level + offset`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Block {
+    pub kind: BlockKind,
+    /// Segments a side at level 0.
+    pub segments: u32,
+    /// `u_s` of its first texel, a multiple of `segments`.
+    pub origin: [u32; 2],
+    /// `u_δ - 1/2`.
+    pub offset: [u32; 2],
+}
+
+/// A face inside its block: corners on the block's unit square.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Placement {
+    pub block: u32,
+    /// By corner: 0 or 1 along x and y.
+    pub corners: [[u8; 2]; 4],
+    /// [`TWIN_SHIFT`] for the second of two lone triangles, else 0.
+    pub shift: u32,
+}
+
+/// All faces of one material.
+#[derive(Clone, Debug, Default)]
+pub struct Layout {
+    /// In packing order, row by row.
+    pub blocks: Vec<Block>,
+    /// First block of each row.
+    pub row_starts: Vec<usize>,
+    /// By face.
+    pub placements: Vec<Placement>,
+    /// Width and height by level, texels.
+    pub sizes: Vec<[u32; 2]>,
+}
+
+impl BlockKind {
+    /// Its faces, the second missing where there is one.
+    pub fn faces(self) -> (u32, Option<u32>) {
+        match self {
+            BlockKind::Quad(face) | BlockKind::Lone(face) => (face, None),
+            BlockKind::Merged([first, second]) | BlockKind::Twins([first, second]) => (first, Some(second)),
+        }
+    }
+
+    /// Extra columns beyond `n + 1`.
+    fn extra_columns(self) -> u32 {
+        match self {
+            BlockKind::Quad(_) | BlockKind::Merged(_) => 0,
+            BlockKind::Lone(_) => 0,
+            BlockKind::Twins(_) => TWIN_SHIFT,
+        }
+    }
+}
+
+impl Layout {
+    pub fn level_count(&self) -> usize {
+        self.sizes.len()
+    }
+
+    fn block(&self, face: usize) -> &Block {
+        &self.blocks[self.placements[face].block as usize]
+    }
+
+    /// `u_s` of a face's corner.
+    pub fn scaled(&self, face: usize, corner: usize) -> Vec2 {
+        let block = self.block(face);
+        let unit = self.placements[face].corners[corner];
+        let axis = |k: usize| (block.origin[k] + u32::from(unit[k]) * block.segments) as f32;
+        Vec2::new(axis(0), axis(1))
+    }
+
+    /// `u_δ` of a face.
+    pub fn offset(&self, face: usize) -> Vec2 {
+        let block = self.block(face);
+        let shift = self.placements[face].shift;
+        Vec2::new((block.offset[0] + shift) as f32 + 0.5, block.offset[1] as f32 + 0.5)
+    }
+}
+
+impl Block {
+    /// First texel at a level up to vertex colors of the block.
+    pub fn texel(&self, level: usize) -> [u32; 2] {
+        [0, 1].map(|k| (self.origin[k] >> level) + self.offset[k])
+    }
+
+    /// The block's first corner at any level in texels from the center of texel 0; exact.
+    pub fn corner(&self, level: usize) -> Vec2 {
+        let scale = (-(level as f32)).exp2();
+        let axis = |k: usize| self.origin[k] as f32 * scale + self.offset[k] as f32;
+        Vec2::new(axis(0), axis(1))
+    }
+
+    /// One past the last texel that the block may touch at a level.
+    pub fn end(&self, level: usize) -> [u32; 2] {
+        let extra = [self.kind.extra_columns(), 0];
+        [0, 1].map(|k| {
+            let last = (self.origin[k] + self.segments) >> level;
+            // Beyond vertex colors the corner lies between texels, or on one with a spare texel beside it.
+            let spare = u32::from(self.segments >> level == 0);
+            last + self.offset[k] + extra[k] + spare + 1
+        })
+    }
+}

@@ -1,0 +1,166 @@
+//! The rows layout (MCT Algorithm 1): blocks from large to small, in rows from left to right.
+
+use crate::colors::Resolutions;
+use crate::error::{Error, ErrorCode, Result};
+use crate::mesh::CanvasMesh;
+
+use super::{Block, BlockKind, Layout, Placement, SEPARATION, TWIN_SHIFT, pair_triangles};
+
+/// What a layout is made from.
+pub struct LayoutRequest<'a> {
+    pub canvas: &'a CanvasMesh,
+    pub resolutions: &'a Resolutions,
+    /// By canvas edge: whether its two triangles may become one quad.
+    pub mergeable: &'a [bool],
+    /// By face: the edge that a lone triangle puts on its diagonal.
+    pub diagonals: &'a [u8],
+    pub level_count: usize,
+    /// Largest side of an image.
+    pub side_limit: u32,
+}
+
+/// Places every face.
+///
+/// # Errors
+/// `TextureTooLarge` where level 0 would exceed the limit.
+pub fn arrange(request: &LayoutRequest<'_>) -> Result<Layout> {
+    let mut blocks = blocks(request);
+    // Large to small; within a size the wide ones first, then by face, so that the order is total.
+    blocks.sort_by_key(|block| {
+        let (first, _) = block.kind.faces();
+        (std::cmp::Reverse((block.segments, block.kind.extra_columns())), first)
+    });
+    let row_starts = pack(&mut blocks);
+    let sizes: Vec<[u32; 2]> = (0..request.level_count)
+        .map(|level| {
+            let ends = blocks.iter().map(|block| block.end(level));
+            ends.fold([1, 1], |size, end| [size[0].max(end[0]), size[1].max(end[1])])
+        })
+        .collect();
+    check_size(sizes[0], request.side_limit)?;
+    let placements = placements(request, &blocks);
+    Ok(Layout { blocks, row_starts, placements, sizes })
+}
+
+fn check_size(size: [u32; 2], limit: u32) -> Result<()> {
+    let side = size[0].max(size[1]);
+    if side <= limit {
+        return Ok(());
+    }
+    let detail = format!(
+        "the layout needs {} x {} texels, more than the {limit} a side that is allowed; \
+         ask for less with --resolution (area:F with a smaller F, or fixed:R with a smaller R)",
+        size[0], size[1]
+    );
+    Err(Error::new(ErrorCode::TextureTooLarge, detail).limit(limit.into(), side.into()))
+}
+
+fn blocks(request: &LayoutRequest<'_>) -> Vec<Block> {
+    let LayoutRequest { canvas, resolutions, .. } = request;
+    let partners = pair_triangles(canvas, resolutions, request.mergeable);
+    let block = |kind, exponent: u8| Block { kind, segments: 1 << exponent, origin: [0; 2], offset: [0; 2] };
+    let mut blocks = Vec::new();
+    let mut waiting: [Option<u32>; 32] = [None; 32];
+    for (face, canvas_face) in (0u32..).zip(&canvas.faces) {
+        let exponent = resolutions.faces[face as usize];
+        match partners[face as usize] {
+            _ if !canvas_face.is_triangle() => blocks.push(block(BlockKind::Quad(face), exponent)),
+            Some(other) if face < other => blocks.push(block(BlockKind::Merged([face, other]), exponent)),
+            Some(_) => {}
+            None => match waiting[usize::from(exponent)].take() {
+                Some(first) => blocks.push(block(BlockKind::Twins([first, face]), exponent)),
+                None => waiting[usize::from(exponent)] = Some(face),
+            },
+        }
+    }
+    let left = (0u8..).zip(waiting).filter_map(|(exponent, face)| face.map(|face| (exponent, face)));
+    blocks.extend(left.map(|(exponent, face)| block(BlockKind::Lone(face), exponent)));
+    blocks
+}
+
+/// Gives sorted blocks their origins and offsets; returns the first block of each row.
+///
+/// Along a row `u_s` starts where the block before ends and `u_δ` grows by the separation, so blocks stay
+/// apart at every level; sides are powers of two from large to small, so `u_s` is always a multiple of the
+/// block's own side.
+fn pack(blocks: &mut [Block]) -> Vec<usize> {
+    let padded = |block: &Block| {
+        let side = u64::from(block.segments + SEPARATION);
+        side * (side + u64::from(block.kind.extra_columns()))
+    };
+    let target_width = (blocks.iter().map(padded).sum::<u64>() as f64).sqrt().ceil() as u32;
+    let mut row_starts = Vec::new();
+    let mut origin = [0u32; 2];
+    let mut offset = [0u32; 2];
+    let mut row_segments = 0;
+    for (number, block) in blocks.iter_mut().enumerate() {
+        let width = block.segments + block.kind.extra_columns() + 1;
+        if number == 0 || origin[0] + offset[0] + width > target_width && offset[0] > 0 {
+            if number > 0 {
+                origin = [0, origin[1] + row_segments];
+                offset = [0, offset[1] + SEPARATION];
+            }
+            row_segments = block.segments;
+            row_starts.push(number);
+        }
+        block.origin = origin;
+        block.offset = offset;
+        origin[0] += block.segments;
+        offset[0] += SEPARATION + block.kind.extra_columns();
+    }
+    row_starts
+}
+
+fn placements(request: &LayoutRequest<'_>, blocks: &[Block]) -> Vec<Placement> {
+    let mut placements = vec![Placement::default(); request.canvas.faces.len()];
+    for (number, block) in (0u32..).zip(blocks) {
+        let mut put = |face: u32, corners, shift| {
+            placements[face as usize] = Placement { block: number, corners, shift };
+        };
+        match block.kind {
+            BlockKind::Quad(face) => put(face, [[0, 0], [1, 0], [1, 1], [0, 1]], 0),
+            BlockKind::Lone(face) => put(face, half(request.diagonals[face as usize]), 0),
+            BlockKind::Twins([first, second]) => {
+                put(first, half(request.diagonals[first as usize]), 0);
+                put(second, turned(half(request.diagonals[second as usize])), TWIN_SHIFT);
+            }
+            BlockKind::Merged([first, second]) => {
+                let (diagonal, other) = merged(request, first, second);
+                put(first, diagonal, 0);
+                put(second, other, 0);
+            }
+        }
+    }
+    placements
+}
+
+/// A triangle on the half square at (0, 0), with edge `diagonal` on the diagonal.
+fn half(diagonal: u8) -> [[u8; 2]; 4] {
+    let mut corners = [[0; 2]; 4];
+    let first = usize::from(diagonal);
+    corners[first] = [1, 0];
+    corners[(first + 1) % 3] = [0, 1];
+    corners
+}
+
+fn turned(corners: [[u8; 2]; 4]) -> [[u8; 2]; 4] {
+    corners.map(|[x, y]| [1 - x, 1 - y])
+}
+
+/// Two triangles on the two halves: the second's corners at the shared vertices stand where the first's do.
+fn merged(request: &LayoutRequest<'_>, first: u32, second: u32) -> ([[u8; 2]; 4], [[u8; 2]; 4]) {
+    let canvas = request.canvas;
+    let (a, b) = (&canvas.faces[first as usize], &canvas.faces[second as usize]);
+    let shared = (0..3).flat_map(|k| (0..3).map(move |m| (k, m)));
+    let joins = |edge: u32| request.mergeable[edge as usize] && canvas.sides(&canvas.edges[edge as usize]).len() == 2;
+    let found = shared.into_iter().find(|&(k, m)| a.edges[k] == b.edges[m] && joins(a.edges[k]));
+    let (k, m) = found.unwrap_or((0, 0)); // the pairing found this edge
+    let corners = half(k as u8);
+    let mut other = [[1, 1]; 4];
+    // The same direction on both sides means that the two faces wind against each other.
+    let same_way = a.is_reversed(k) == b.is_reversed(m);
+    let ends = [corners[k], corners[(k + 1) % 3]];
+    other[m] = ends[usize::from(!same_way)];
+    other[(m + 1) % 3] = ends[usize::from(same_way)];
+    (corners, other)
+}

@@ -1,0 +1,47 @@
+//! Weighted means of colors in which alpha has a say.
+
+use glam::{Vec4, Vec4Swizzles};
+
+/// What a sample without alpha counts for in the mean of a color: nothing, unless all are so.
+const TRANSPARENT_WEIGHT: f32 = 1e-5;
+
+/// A running mean of values `(r, g, b, a)`. With `by_alpha` the color is weighted by alpha, so that what is
+/// transparent has no vote; the result is straight (not premultiplied).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WeightedMean {
+    color: glam::Vec3,
+    color_weight: f32,
+    alpha: f32,
+    weight: f32,
+}
+
+impl WeightedMean {
+    pub fn add(&mut self, value: Vec4, weight: f32, by_alpha: bool) {
+        let color_weight = if by_alpha { weight * (value.w + TRANSPARENT_WEIGHT) } else { weight };
+        self.color += value.xyz() * color_weight;
+        self.color_weight += color_weight;
+        self.alpha += value.w * weight;
+        self.weight += weight;
+    }
+
+    /// Adds another mean's samples with their weights times `factor`.
+    pub fn merge(&mut self, other: &Self, factor: f32) {
+        self.color += other.color * factor;
+        self.color_weight += other.color_weight * factor;
+        self.alpha += other.alpha * factor;
+        self.weight += other.weight * factor;
+    }
+
+    pub fn weight(&self) -> f32 {
+        self.weight
+    }
+
+    /// The mean, or zero where nothing was added.
+    pub fn mean(&self) -> Vec4 {
+        if self.weight > 0.0 && self.color_weight > 0.0 {
+            (self.color / self.color_weight).extend(self.alpha / self.weight)
+        } else {
+            Vec4::ZERO
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! One channel's journey: samples of level 0 to level images, with what the solver did on the way.
+
+use glam::{Vec3, Vec4, Vec4Swizzles};
+use rayon::prelude::*;
+
+use crate::assign::{Codec, LevelChannel, NormalFrames, Rules, paint, rules};
+use crate::asset::Slot;
+use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions, sample_areas};
+use crate::error::Result;
+use crate::image::{Image, Pixels, Transfer};
+use crate::layout::Layout;
+use crate::math::transfer::linear_to_srgb;
+use crate::measure::SolverReport;
+use crate::mesh::CanvasMesh;
+use crate::mip::{coarsen, coverage, keep_coverage};
+use crate::solve::{Problem, Solution, solve};
+use crate::source::SourceChannel;
+use crate::watch::{self, Stage, Watch};
+
+use super::options::Solver;
+
+/// A sample counts for at least this share of the mean sample in the solver's objective: faces of no area
+/// must not make it singular.
+const WEIGHT_FLOOR: f64 = 1e-4;
+
+pub struct ChannelInput<'a> {
+    pub channel: &'a SourceChannel<'a>,
+    pub resolutions: &'a Resolutions,
+    pub layout: &'a Layout,
+    pub cuts: Cuts,
+    pub frames: Option<&'a NormalFrames>,
+    /// Of a masked material: keep the share of surface above this.
+    pub mask_cutoff: Option<f32>,
+    pub solver: Solver,
+}
+
+pub struct FinishedChannel {
+    pub slots: Vec<Slot>,
+    pub transfer: Transfer,
+    pub cuts: Cuts,
+    pub levels: Vec<Image>,
+    /// Distinct samples by level.
+    pub sample_counts: Vec<u64>,
+    pub solver: Vec<SolverReport>,
+    pub is_alpha_weighted: bool,
+    pub keeps_coverage: bool,
+}
+
+/// Builds, solves and paints every level.
+pub fn finish_channel(
+    input: ChannelInput<'_>,
+    canvas: &CanvasMesh,
+    topology: &ChannelTopology,
+    samples: Vec<Vec4>,
+    watch: &dyn Watch,
+) -> Result<FinishedChannel> {
+    let codec = codec(input.channel);
+    let by_alpha = input.channel.is_alpha_weighted();
+    let mut finished = FinishedChannel {
+        slots: input.channel.slots.clone(),
+        transfer: input.channel.transfer,
+        cuts: Cuts { edges: Vec::new() },
+        levels: Vec::new(),
+        sample_counts: Vec::new(),
+        solver: Vec::new(),
+        is_alpha_weighted: by_alpha,
+        keeps_coverage: input.mask_cutoff.is_some(),
+    };
+    let mut numbering = LevelNumbering::new(canvas, topology, input.resolutions, 0);
+    let mut values = samples;
+    let mut wanted_coverage = 0.0;
+    for level in 0..input.layout.level_count() {
+        watch.stage(Stage::Mip);
+        if level > 0 {
+            let coarse = LevelNumbering::new(canvas, topology, input.resolutions, level);
+            values = coarsen(&numbering, &coarse, &values, by_alpha, watch)?;
+            numbering = coarse;
+        }
+        let mut wanted = if input.channel.is_normal() { normalized(&values) } else { values.clone() };
+        if let Some(cutoff) = input.mask_cutoff {
+            let areas = sample_areas(&numbering);
+            if level == 0 {
+                wanted_coverage = coverage(&wanted, &areas, cutoff);
+            } else {
+                keep_coverage(&mut wanted, &areas, cutoff, wanted_coverage);
+            }
+        }
+        watch.stage(Stage::Assign);
+        let level_channel = LevelChannel {
+            layout: input.layout,
+            numbering: &numbering,
+            cuts: &input.cuts,
+            codec,
+            frames: input.frames,
+        };
+        let rules = rules(&level_channel);
+        watch.stage(Stage::Solve);
+        finished.solver.extend(represent(&level_channel, &rules, &mut wanted, input.solver, watch)?);
+        watch.stage(Stage::Assign);
+        finished.levels.push(paint(&level_channel, &wanted, watch)?);
+        finished.sample_counts.push(numbering.sample_count() as u64);
+    }
+    finished.cuts = input.cuts;
+    Ok(finished)
+}
+
+/// What the channel is stored as: the source's components and bits, without an alpha that nobody reads.
+fn codec(channel: &SourceChannel<'_>) -> Codec {
+    let is_gray = channel.image.components <= 2 && !channel.is_normal();
+    let components = if is_gray { 1 } else { 3 } + u8::from(channel.is_alpha_weighted());
+    let bits = match channel.image.pixels {
+        Pixels::U8(_) => 8,
+        Pixels::U16(_) => 16,
+    };
+    Codec { transfer: channel.transfer, components, bits }
+}
+
+fn normalized(values: &[Vec4]) -> Vec<Vec4> {
+    values.par_iter().map(|value| value.xyz().try_normalize().unwrap_or(Vec3::Z).extend(1.0)).collect()
+}
+
+/// Brings the samples to where every texel can be stored; `None` where nothing was out of range.
+fn represent(
+    channel: &LevelChannel<'_>,
+    rules: &Rules,
+    values: &mut [Vec4],
+    solver: Solver,
+    watch: &dyn Watch,
+) -> Result<Option<SolverReport>> {
+    let areas = sample_areas(channel.numbering);
+    let mean = areas.iter().map(|&a| f64::from(a)).sum::<f64>() / areas.len() as f64;
+    // A mesh without any area still has a mean to divide by.
+    let mean = if mean > 0.0 { mean } else { 1.0 };
+    let weights: Vec<f64> = areas.iter().map(|&area| (f64::from(area) / mean).max(WEIGHT_FLOOR)).collect();
+    let systems = if channel.frames.is_some() { vec![System::Normals] } else { System::components(channel) };
+    let before = values.to_vec();
+    let solutions: Vec<Solution> = (systems.par_iter())
+        .map(|system| {
+            let wanted = system.gather(&before);
+            let repeat = system.variables_per_sample();
+            let weights: Vec<f64> = weights.iter().flat_map(|&w| std::iter::repeat_n(w, repeat)).collect();
+            let is_stored = *system != System::Normals;
+            let problem = Problem { rules, wanted: &wanted, weights: &weights, is_stored };
+            solve(&problem, solver == Solver::Global, &|| watch.canceled())
+        })
+        .collect();
+    watch::check(watch)?;
+    for (system, solution) in systems.iter().zip(&solutions) {
+        system.scatter(&solution.values, values);
+    }
+    let violated_count = solutions.iter().map(|solution| solution.violated_count).sum();
+    if violated_count == 0 {
+        return Ok(None);
+    }
+    let (change_mean_codes, change_max_codes) = changes(channel, &before, values);
+    Ok(Some(SolverReport {
+        level: channel.numbering.level as u32,
+        row_count: (rules.len() * systems.len()) as u64,
+        violated_count,
+        iteration_count: solutions.iter().map(|solution| solution.sweep_count).max().unwrap_or(0),
+        residual: solutions.iter().map(|solution| solution.residual).fold(0.0, f64::max),
+        change_mean_codes,
+        change_max_codes,
+    }))
+}
+
+/// The variables that one solve is about.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum System {
+    /// One component of every sample.
+    Component(usize),
+    /// All three components of every normal, which the frames mix.
+    Normals,
+}
+
+impl System {
+    fn components(channel: &LevelChannel<'_>) -> Vec<Self> {
+        let stored: &[usize] = match channel.codec.components {
+            1 => &[0],
+            2 => &[0, 3],
+            3 => &[0, 1, 2],
+            _ => &[0, 1, 2, 3],
+        };
+        stored.iter().map(|&component| System::Component(component)).collect()
+    }
+
+    fn variables_per_sample(self) -> usize {
+        match self {
+            System::Component(_) => 1,
+            System::Normals => 3,
+        }
+    }
+
+    fn gather(self, values: &[Vec4]) -> Vec<f64> {
+        match self {
+            System::Component(k) => values.iter().map(|value| f64::from(value[k])).collect(),
+            System::Normals => values.iter().flat_map(|value| value.xyz().to_array().map(f64::from)).collect(),
+        }
+    }
+
+    fn scatter(self, solved: &[f64], values: &mut [Vec4]) {
+        match self {
+            System::Component(k) => {
+                values.iter_mut().zip(solved).for_each(|(value, &solved)| value[k] = solved as f32);
+            }
+            System::Normals => {
+                for (value, solved) in values.iter_mut().zip(solved.chunks_exact(3)) {
+                    *value = Vec4::new(solved[0] as f32, solved[1] as f32, solved[2] as f32, 1.0);
+                }
+            }
+        }
+    }
+}
+
+/// Mean and largest change of a sample in codes, the largest component counting.
+fn changes(channel: &LevelChannel<'_>, before: &[Vec4], after: &[Vec4]) -> (f64, f64) {
+    let is_color = channel.codec.transfer == Transfer::Srgb;
+    let encode = |value: Vec4| {
+        if !is_color {
+            return value;
+        }
+        value.xyz().map(linear_to_srgb).extend(value.w)
+    };
+    // Normals span [-1, 1], two of these to a code range.
+    let scale = if channel.frames.is_some() { 127.5 } else { 255.0 };
+    let mut sum = 0.0;
+    let mut max = 0.0f64;
+    for (before, after) in before.iter().zip(after).filter(|(before, after)| before != after) {
+        let change = f64::from((encode(*before) - encode(*after)).abs().max_element()) * scale;
+        sum += change;
+        max = max.max(change);
+    }
+    (sum / before.len() as f64, max)
+}

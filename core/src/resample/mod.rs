@@ -1,0 +1,11 @@
+//! Source to mesh colors: how many samples a face gets, which edges stay cut, and each sample's value.
+
+mod cuts;
+mod resolution;
+mod samples;
+#[cfg(test)]
+mod tests;
+
+pub use cuts::find_cuts;
+pub use resolution::{ResolutionRule, resolutions};
+pub use samples::{Kernel, sample};

@@ -1,0 +1,259 @@
+//! The value of every sample: the source at its place, or integrated against its hat function.
+//!
+//! Work goes face by face over the cells of the face's grid; what a face sees at its border is handed out
+//! as weighted means, and edges and vertices are the area-weighted mean of what their faces see.
+
+use glam::Vec4;
+use rayon::prelude::*;
+
+use crate::colors::LevelNumbering;
+use crate::error::Result;
+use crate::math::mean::WeightedMean;
+use crate::source::SurfaceSource;
+use crate::watch::{self, Watch};
+
+/// A cell of the grid is cut into at most this many strata a side.
+const STRATA_MAX: f32 = 8.0;
+/// A face of no area still has a say where no other has, in shares of the mean face.
+const AREA_FLOOR: f32 = 1e-9;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kernel {
+    /// The source at the sample's position.
+    Point,
+    /// The source times the sample's hat function (1 at the sample, 0 at its neighbors), one fetch for
+    /// each source texel that a cell of the grid is wide, in strata.
+    Hat,
+}
+
+/// All samples of level 0, by their numbers.
+pub fn sample(
+    source: &SurfaceSource<'_>,
+    numbering: &LevelNumbering<'_>,
+    kernel: Kernel,
+    watch: &dyn Watch,
+) -> Result<Vec<Vec4>> {
+    let canvas = numbering.canvas;
+    let mut values = vec![Vec4::ZERO; numbering.sample_count()];
+    let (shared, mut interiors) = values.split_at_mut(numbering.shared_count());
+    let mut slots = Vec::with_capacity(canvas.faces.len());
+    for face in 0..canvas.faces.len() {
+        let (slot, rest) = interiors.split_at_mut(numbering.face_range(face).len());
+        slots.push(slot);
+        interiors = rest;
+    }
+    let total_area: f32 = canvas.faces.iter().map(|face| face.area).sum();
+    let area_floor = AREA_FLOOR * (total_area / canvas.faces.len() as f32).max(f32::MIN_POSITIVE);
+    let borders = (slots.into_par_iter().enumerate())
+        .map(|(face, interior)| {
+            watch::check(watch)?;
+            let mut view = FaceView::new(source, numbering, face, area_floor);
+            match kernel {
+                Kernel::Point => view.fetch_points(),
+                Kernel::Hat => view.integrate_cells(),
+            }
+            Ok(view.hand_out(interior))
+        })
+        .collect::<Result<Vec<_>>>()?;
+    gather(numbering, kernel, &borders, shared);
+    Ok(values)
+}
+
+/// What one face sees of its own grid.
+struct FaceView<'a> {
+    source: &'a SurfaceSource<'a>,
+    numbering: &'a LevelNumbering<'a>,
+    face: usize,
+    is_triangle: bool,
+    segments: u32,
+    /// World weight of one cell.
+    cell_weight: f32,
+    means: Vec<WeightedMean>,
+}
+
+impl<'a> FaceView<'a> {
+    fn new(source: &'a SurfaceSource<'a>, numbering: &'a LevelNumbering<'a>, face: usize, area_floor: f32) -> Self {
+        let canvas_face = &numbering.canvas.faces[face];
+        let segments = numbering.segments(face);
+        let side = segments as usize + 1;
+        Self {
+            source,
+            numbering,
+            face,
+            is_triangle: canvas_face.is_triangle(),
+            segments,
+            cell_weight: canvas_face.area.max(area_floor) / (segments * segments) as f32,
+            means: vec![WeightedMean::default(); side * side],
+        }
+    }
+
+    fn index(&self, i: u32, j: u32) -> usize {
+        (j * (self.segments + 1) + i) as usize
+    }
+
+    fn row_end(&self, j: u32) -> u32 {
+        if self.is_triangle { self.segments - j } else { self.segments }
+    }
+
+    /// The source at grid coordinates (in segments).
+    fn fetch(&self, x: f32, y: f32) -> Vec4 {
+        let scale = 1.0 / self.segments as f32;
+        self.source.at(self.numbering.canvas, self.face, x * scale, y * scale)
+    }
+
+    fn add(&mut self, i: u32, j: u32, value: Vec4, weight: f32) {
+        let at = self.index(i, j);
+        self.means[at].add(value, weight * self.cell_weight, self.source.channel.is_alpha_weighted());
+    }
+
+    fn fetch_points(&mut self) {
+        for j in 0..=self.segments {
+            for i in 0..=self.row_end(j) {
+                let value = self.fetch(i as f32, j as f32);
+                self.add(i, j, value, 1.0);
+            }
+        }
+    }
+
+    /// Strata along a side of a cell: one for each source texel.
+    fn strata(&self) -> u32 {
+        let places = self.source.places(self.face);
+        let count = self.numbering.canvas.faces[self.face].count();
+        let longest = (0..count).map(|k| places[k].distance(places[(k + 1) % count])).fold(0.0, f32::max);
+        (longest / self.segments as f32).round().clamp(1.0, STRATA_MAX) as u32
+    }
+
+    fn integrate_cells(&mut self) {
+        let strata = self.strata();
+        for j in 0..self.segments {
+            for i in 0..self.row_end(j) {
+                if self.is_triangle {
+                    self.integrate_triangle_cell([i, j], 1, strata);
+                    if i + j + 2 <= self.segments {
+                        self.integrate_triangle_cell([i + 1, j + 1], -1, strata);
+                    }
+                } else {
+                    self.integrate_quad_cell(i, j, strata);
+                }
+            }
+        }
+    }
+
+    /// The small triangle at `at` that opens along `+i, +j` (`way` 1) or `-i, -j` (`way` -1): values at the
+    /// centroids of its strata go to its three corners by their barycentrics.
+    fn integrate_triangle_cell(&mut self, at: [u32; 2], way: i32, strata: u32) {
+        let step = way as f32 / strata as f32;
+        let share = 1.0 / (strata * strata) as f32;
+        let neighbor = |from: u32| (from as i32 + way) as u32;
+        for b in 0..strata {
+            for a in 0..strata - b {
+                for (turned, third) in [(false, 1.0 / 3.0), (true, 2.0 / 3.0)] {
+                    if turned && a + b + 2 > strata {
+                        continue;
+                    }
+                    let (x, y) = ((a as f32 + third) * step, (b as f32 + third) * step);
+                    let value = self.fetch(at[0] as f32 + x, at[1] as f32 + y);
+                    let (x, y) = (x.abs(), y.abs());
+                    self.add(at[0], at[1], value, (1.0 - x - y) * share);
+                    self.add(neighbor(at[0]), at[1], value, x * share);
+                    self.add(at[0], neighbor(at[1]), value, y * share);
+                }
+            }
+        }
+    }
+
+    fn integrate_quad_cell(&mut self, i: u32, j: u32, strata: u32) {
+        let share = 1.0 / (strata * strata) as f32;
+        for b in 0..strata {
+            for a in 0..strata {
+                let (x, y) = ((a as f32 + 0.5) / strata as f32, (b as f32 + 0.5) / strata as f32);
+                let value = self.fetch(i as f32 + x, j as f32 + y);
+                self.add(i, j, value, (1.0 - x) * (1.0 - y) * share);
+                self.add(i + 1, j, value, x * (1.0 - y) * share);
+                self.add(i, j + 1, value, (1.0 - x) * y * share);
+                self.add(i + 1, j + 1, value, x * y * share);
+            }
+        }
+    }
+
+    /// Writes the interior samples and returns the border: edge by edge, each from its first corner
+    /// (included) to its second (left to the next edge).
+    fn hand_out(&self, interior: &mut [Vec4]) -> Vec<WeightedMean> {
+        let mut slots = interior.iter_mut();
+        for j in 1..self.segments {
+            let end = if self.is_triangle { self.segments - j } else { self.segments };
+            for (i, slot) in (1..end).zip(&mut slots) {
+                *slot = self.means[self.index(i, j)].mean();
+            }
+        }
+        let n = self.segments;
+        let edges: &[fn(u32, u32) -> (u32, u32)] = if self.is_triangle {
+            &[|_, k| (k, 0), |n, k| (n - k, k), |n, k| (0, n - k)]
+        } else {
+            &[|_, k| (k, 0), |n, k| (n, k), |n, k| (n - k, n), |n, k| (0, n - k)]
+        };
+        let points = edges.iter().flat_map(|place| (0..n).map(move |k| place(n, k)));
+        points.map(|(i, j)| self.means[self.index(i, j)]).collect()
+    }
+}
+
+/// Vertices and edges from what their faces see.
+fn gather(numbering: &LevelNumbering<'_>, kernel: Kernel, borders: &[Vec<WeightedMean>], shared: &mut [Vec4]) {
+    let topology = numbering.topology;
+    let (fans, strips) = shared.split_at_mut(topology.fan_count());
+    fans.par_iter_mut().enumerate().for_each(|(fan, value)| {
+        let mut mean = WeightedMean::default();
+        for &(face, corner) in topology.corners(fan) {
+            let segments = numbering.segments(face as usize);
+            mean.merge(&borders[face as usize][(u32::from(corner) * segments) as usize], 1.0);
+        }
+        *value = mean.mean();
+    });
+    let first = topology.fan_count();
+    for (number, strip) in topology.strips.iter().enumerate() {
+        let range = numbering.strip_range(number);
+        let slots = &mut strips[range.start - first..range.end - first];
+        for (slot, at) in slots.iter_mut().zip(1..) {
+            let mut mean = WeightedMean::default();
+            for side in topology.sides(strip) {
+                let view = EdgeView::new(numbering, side.face as usize, usize::from(side.edge), number);
+                view.merge_into(&mut mean, &borders[side.face as usize], at, kernel);
+            }
+            *slot = mean.mean();
+        }
+    }
+}
+
+/// A face's border along one strip, which may have fewer samples.
+struct EdgeView {
+    segments: u32,
+    first: u32,
+    reversed: bool,
+    /// Face segments for each segment of the strip.
+    step: u32,
+}
+
+impl EdgeView {
+    fn new(numbering: &LevelNumbering<'_>, face: usize, edge: usize, strip: usize) -> Self {
+        let segments = numbering.segments(face);
+        Self {
+            segments,
+            first: edge as u32 * segments,
+            reversed: numbering.canvas.faces[face].is_reversed(edge),
+            step: segments / numbering.strip_segments(strip),
+        }
+    }
+
+    /// Adds what the face sees around strip sample `at`: on a finer face all that the strip's hat covers,
+    /// widened so that the face does not count less for its narrower band.
+    fn merge_into(&self, mean: &mut WeightedMean, border: &[WeightedMean], at: u32, kernel: Kernel) {
+        let step = self.step as i64;
+        let reach = if kernel == Kernel::Point { 0 } else { step - 1 };
+        for offset in -reach..=reach {
+            let from_low = (i64::from(at) * step + offset) as u32;
+            let along = if self.reversed { self.segments - from_low } else { from_low };
+            let weight = (1.0 - offset.abs() as f32 / step as f32) * step as f32;
+            mean.merge(&border[(self.first + along) as usize], weight);
+        }
+    }
+}
