@@ -1,7 +1,8 @@
 //! The texel rules that may leave the format's range, as rows for a solver: a texel component is
 //! `constant + Σ weight · variable`.
 //!
-//! Copies are samples and need no row. Variables are samples (one component at a time), or for normals the
+//! Rows that lean on the same few samples (the texels around one block, or one border texel) form a group, to
+//! be dealt with at once. Copies are samples and need no row. Variables are samples (one component at a time), or for normals the
 //! three components of each sample, since frames mix them.
 
 use glam::Mat3;
@@ -18,6 +19,8 @@ pub struct Rules {
     first_term: Vec<u32>,
     terms: Vec<(u32, f32)>,
     constants: Vec<f32>,
+    /// One past the last row of each group.
+    group_ends: Vec<u32>,
 }
 
 impl Rules {
@@ -27,6 +30,20 @@ impl Rules {
 
     pub fn is_empty(&self) -> bool {
         self.constants.is_empty()
+    }
+
+    pub fn group_count(&self) -> usize {
+        self.group_ends.len()
+    }
+
+    /// The rows of a group.
+    pub fn group(&self, group: usize) -> std::ops::Range<usize> {
+        let first = if group == 0 { 0 } else { self.group_ends[group - 1] };
+        first as usize..self.group_ends[group] as usize
+    }
+
+    fn end_group(&mut self) {
+        self.group_ends.push(self.constants.len() as u32);
     }
 
     pub fn constant(&self, row: usize) -> f32 {
@@ -116,6 +133,7 @@ impl Builder<'_> {
                 add(samples[0], weight * (1.0 - second));
             }
             self.push(&parts);
+            self.rules.end_group();
         }
     }
 
@@ -141,6 +159,7 @@ impl Builder<'_> {
             let parts: Vec<Part> = parts.collect();
             self.push(&parts);
         }
+        self.rules.end_group();
     }
 
     fn push(&mut self, parts: &[Part]) {

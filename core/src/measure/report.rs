@@ -141,6 +141,12 @@ pub struct SolverReport {
     pub iteration_count: u64,
     /// Largest violation that is left, linear values.
     pub residual: f64,
+    /// Largest entry of the stationarity condition that is left (weights of mean 1).
+    #[serde(default)]
+    pub dual_residual: f64,
+    /// Largest mean product of slack and multiplier that is left.
+    #[serde(default)]
+    pub complementarity: f64,
     /// Change of the samples, in codes.
     pub change_mean_codes: f64,
     pub change_max_codes: f64,

@@ -140,7 +140,8 @@ fn represent(
             let repeat = system.variables_per_sample();
             let weights: Vec<f64> = weights.iter().flat_map(|&w| std::iter::repeat_n(w, repeat)).collect();
             let is_stored = *system != System::Normals;
-            let problem = Problem { rules, wanted: &wanted, weights: &weights, is_stored };
+            let center = if is_stored { 0.5 } else { 0.0 };
+            let problem = Problem { rules, wanted: &wanted, weights: &weights, center, is_stored };
             solve(&problem, solver == Solver::Global, &|| watch.canceled())
         })
         .collect();
@@ -157,11 +158,17 @@ fn represent(
         level: channel.numbering.level as u32,
         row_count: (rules.len() * systems.len()) as u64,
         violated_count,
-        iteration_count: solutions.iter().map(|solution| solution.sweep_count).max().unwrap_or(0),
-        residual: solutions.iter().map(|solution| solution.residual).fold(0.0, f64::max),
+        iteration_count: solutions.iter().map(|solution| solution.step_count).max().unwrap_or(0),
+        residual: largest(&solutions, |solution| solution.residual),
+        dual_residual: largest(&solutions, |solution| solution.dual_residual),
+        complementarity: largest(&solutions, |solution| solution.complementarity),
         change_mean_codes,
         change_max_codes,
     }))
+}
+
+fn largest(solutions: &[Solution], figure: impl Fn(&Solution) -> f64) -> f64 {
+    solutions.iter().map(figure).fold(0.0, f64::max)
 }
 
 /// The variables that one solve is about.

@@ -5,10 +5,13 @@
 //! ```
 //!
 //! `c` are the wanted samples of one level, `x` their change, `a` sample areas. MCT 3.4 solves this face by
-//! face, which can tear what two faces share; here the whole level is one problem.
+//! face, which can tear what two faces share; here the whole level is one problem. Only what is out of range
+//! is solved: rules come in when they are violated, and islands of rules that share no sample are problems
+//! of their own.
 
-mod hildreth;
+mod global;
+mod interior;
 #[cfg(test)]
 mod tests;
 
-pub use hildreth::{Problem, Solution, TOLERANCE, solve};
+pub use global::{Problem, Solution, TOLERANCE, solve};
