@@ -22,6 +22,8 @@ pub mod read;
 
 pub mod finished;
 
+pub mod source;
+
 pub mod measure;
 
 pub mod write;
