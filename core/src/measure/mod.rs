@@ -8,6 +8,8 @@ mod edges;
 mod fidelity;
 mod figures;
 mod focus;
+#[cfg(test)]
+mod hand_made;
 mod judge;
 mod layout;
 mod mips;

@@ -1,12 +1,15 @@
 //! The drawn triangles of one material over all its meshes, with the pairs of sides that meet: of a
 //! source by its faces, of a conversion by the triangles that it wrote.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::edges::{self, EdgePair, Side};
 use crate::asset::{Asset, Primitive};
 use crate::error::{Error, Result};
 use crate::finished::{Finished, FinishedPrimitive, FinishedTriangle, Frame};
+
+/// No image is as large: converted coordinates beyond are refused.
+const FAR_TEXELS: f32 = 1e9;
 
 /// The triangles of one primitive.
 pub struct Part<'a> {
@@ -130,9 +133,12 @@ fn check_fit(geometry: &Primitive, written: &FinishedPrimitive) -> Result<()> {
                 triangle.vertices
             )));
         }
-        let placed = triangle.scaled.iter().all(|place| place.is_finite()) && triangle.offset.is_finite();
-        if !placed {
-            return Err(Error::invalid(format!("triangle {number} has a coordinate that is not finite")));
+        // Not a number is not within either.
+        let is_near = |place: Vec2| place.abs().cmplt(Vec2::splat(FAR_TEXELS)).all();
+        if !(triangle.scaled.into_iter().all(is_near) && is_near(triangle.offset)) {
+            return Err(Error::invalid(format!(
+                "triangle {number} has a coordinate beyond {FAR_TEXELS} texels"
+            )));
         }
     }
     if !written.frames.is_empty() && written.frames.len() != written.triangles.len() {

@@ -111,7 +111,7 @@ impl<'a> Texels<'a> {
     }
 
     fn mixed<T: Copy + Into<usize>, const N: usize>(&self, codes: &[T], at: Vec2) -> [f32; N] {
-        let corner = at - 0.5;
+        let corner = Vec2::new(bounded(at.x), bounded(at.y)) - 0.5;
         let floor = corner.floor();
         let part = corner - floor;
         let (x, y) = (floor.x as i64, floor.y as i64);
@@ -134,6 +134,13 @@ impl<'a> Texels<'a> {
             top + (bottom - top) * part.y
         })
     }
+}
+
+/// Places that still have a texel number; a place that is no number reads as far out.
+fn bounded(place_texels: f32) -> f32 {
+    const FAR_TEXELS: f32 = 1e12;
+    // In this order NaN becomes a number.
+    place_texels.max(-FAR_TEXELS).min(FAR_TEXELS)
 }
 
 /// Most fetches fall inside, and the remainder of wide integers is slow.
@@ -172,6 +179,9 @@ mod tests {
         let clamped = Texels::new(&image, Transfer::Srgb, CLAMPED);
         assert_eq!(clamped.bilinear(Vec2::new(1.0, 0.5)), [0.5, 0.5, 0.5, 1.0]);
         assert_eq!(clamped.bilinear(Vec2::new(-3.0, 9.0))[0], 0.0);
+        for far in [f32::MAX, f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+            assert!(clamped.bilinear(Vec2::new(far, far))[0].is_finite());
+        }
         let repeated = Texels::new(&image, Transfer::Srgb, Wrap::default());
         assert_eq!(repeated.bilinear(Vec2::new(-0.25, 0.5))[0], 0.75);
         assert!((encode_codes(0.5) - 187.516).abs() < 1e-2);
