@@ -22,8 +22,6 @@ pub mod asset;
 
 pub mod read;
 
-pub mod source;
-
 pub mod resample;
 
 pub mod mip;
@@ -35,6 +33,8 @@ pub mod assign;
 pub mod solve;
 
 pub mod finished;
+
+pub mod source;
 
 pub mod measure;
 

@@ -1,6 +1,29 @@
 //! Judges finished images: seams, drift, fidelity, waste. Knows nothing of how they were made, so it can
-//! judge a file from anywhere.
+//! judge a file from anywhere: it pairs edges, decodes, filters and makes mip maps by itself.
+//!
+//! [`converted`], [`converted_file`] and [`source`] are the ways in, [`verdict`] holds the figures against
+//! the bundle's guarantees.
 
+mod edges;
+mod fidelity;
+mod figures;
+mod focus;
+#[cfg(test)]
+mod hand_made;
+mod judge;
+mod layout;
+mod mips;
+mod origin;
+mod points;
 pub mod report;
+mod seams;
+mod subject;
+mod surface;
+mod texels;
+pub mod verdict;
+mod yardstick;
 
+pub use focus::Focus;
 pub use report::*;
+pub use subject::{Extras, Measured, converted, converted_file, growth, source};
+pub use verdict::{Judgement, judge};

@@ -173,8 +173,10 @@ pub struct LayoutLevel {
     pub allocated_texels: u64,
     /// Share of the allocated texels that no face uses (MCT Table 1).
     pub waste: f64,
-    /// Distinct samples over allocated texels.
-    pub efficiency: f64,
+    /// Distinct samples over allocated texels; absent where the samples are not known (a converted file
+    /// on its own does not tell them).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub efficiency: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -8,9 +8,8 @@ mod progress;
 #[cfg(test)]
 mod tests;
 
+pub use crate::measure::Focus;
 pub use options::{OPTIONS, OptionSpec, Options, Resolution, Sampling, Solver};
-
-use glam::Vec3;
 
 use crate::asset::Asset;
 use crate::error::{Error, ErrorCode, Result};
@@ -40,22 +39,6 @@ pub struct Conversion {
     /// Where a picture should look: the edge on which the source's mip maps disagree most although its
     /// level 0 agrees.
     pub focus: Option<Focus>,
-}
-
-/// A place on a seam of the source.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Focus {
-    pub mesh: usize,
-    pub primitive: usize,
-    /// Middle and ends of the edge in mesh space.
-    pub position: Vec3,
-    pub ends: [Vec3; 2],
-    /// Mean of the normals of the faces at the edge, mesh space, unit length.
-    pub normal: Vec3,
-    /// Material channel that shows it most, an index into `Finished::textures`.
-    pub texture: usize,
-    /// Jump of the source at each of its levels, codes, mean along the edge.
-    pub source_jumps_codes: [f32; 8],
 }
 
 /// Converts a model.

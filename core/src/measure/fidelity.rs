@@ -1,0 +1,168 @@
+//! How near a conversion is to its source at level 0, at random points of the surface, beside the
+//! [yardstick](super::yardstick) at the same points.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::judge::{Meaning, degrees_between, object_normal};
+use super::origin::Origin;
+use super::points::SurfacePoint;
+use super::report::Fidelity;
+use super::seams::Converted;
+use super::texels::{CLAMPED, Texels, stored_components};
+use super::yardstick::{Extent, Yardstick};
+use crate::finished::Frame;
+use crate::image::Pixels;
+
+/// Random points of a material's surface, the same for all its channels: the PSNR's own error is then
+/// under 0.05 dB.
+pub const POINT_COUNT: usize = 65_536;
+
+/// Stands for "no difference".
+const PSNR_CEILING_DB: f64 = 99.0;
+
+/// Points summed in one go; part of the order of summation, and so of the figures' last digits.
+const CHUNK: usize = 1024;
+
+/// Compares at `points`; `None` where there are none.
+pub fn fidelity(
+    origin: &Origin<'_>,
+    converted: &Converted<'_>,
+    points: &[SurfacePoint],
+    extent: Extent,
+) -> Option<Fidelity> {
+    let finest = converted.texture.levels.first()?;
+    if points.is_empty() {
+        return None;
+    }
+    let bits = if matches!(finest.pixels, Pixels::U8(_)) { 8 } else { 16 };
+    let area_texels = extent.area_texels(origin, converted.surface);
+    let comparison = Comparison {
+        origin,
+        converted,
+        source: origin.texels(origin.image),
+        level: Texels::new(finest, converted.meaning.transfer(), CLAMPED),
+        yardstick: Yardstick::new(origin, area_texels, finest.texel_count(), bits),
+    };
+    let chunks: Vec<[Errors; 2]> = points.par_chunks(CHUNK).map(|points| comparison.errors(points)).collect();
+    let mut totals = [Errors::default(); 2];
+    for chunk in chunks {
+        totals.iter_mut().zip(chunk).for_each(|(total, errors)| total.join(errors));
+    }
+    let [ours, yardstick] = totals;
+    let is_normal = matches!(origin.meaning, Meaning::Normal { .. });
+    Some(Fidelity {
+        psnr_db: ours.psnr_db(),
+        rms: ours.rms(is_normal),
+        yardstick_psnr_db: yardstick.psnr_db(),
+        yardstick_rms: yardstick.rms(is_normal),
+        point_count: points.len() as u64,
+    })
+}
+
+struct Comparison<'a> {
+    origin: &'a Origin<'a>,
+    converted: &'a Converted<'a>,
+    source: Texels<'a>,
+    level: Texels<'a>,
+    yardstick: Yardstick<'a>,
+}
+
+impl Comparison<'_> {
+    /// Of the conversion, and of the yardstick.
+    fn errors(&self, points: &[SurfacePoint]) -> [Errors; 2] {
+        let mut sums = [Errors::default(); 2];
+        let size_texels = self.source.size_texels();
+        for point in points {
+            let (number, triangle) = (point.part as usize, point.triangle as usize);
+            let part = &self.converted.surface.parts[number];
+            let [a, b, c] = self.origin.corner_uvs(number, part.triangles[triangle]);
+            let place = (a * point.at.x + b * point.at.y + c * point.at.z) * size_texels;
+            let wanted = self.source.bilinear(place);
+            let ours = self.level.bilinear(part.placed[triangle].place_at(point.at, 0));
+            let resampled = self.yardstick.bilinear(place);
+            match self.origin.meaning {
+                Meaning::Normal { scale } => {
+                    let (Some(of_source), Some(of_ours)) =
+                        (self.origin.corner_frames(number, triangle), part.frames().get(triangle))
+                    else {
+                        continue;
+                    };
+                    let (of_source, of_ours) =
+                        (interpolated(of_source, point.at), interpolated(of_ours, point.at));
+                    let wanted = object_normal(wanted, scale, &of_source);
+                    sums[0].add_normals(wanted, object_normal(ours, scale, &of_ours));
+                    sums[1].add_normals(wanted, object_normal(resampled, scale, &of_source));
+                }
+                meaning => {
+                    let wanted = meaning.codes(wanted);
+                    let which = stored_components(self.origin.image.components);
+                    sums[0].add_codes(which, wanted, meaning.codes(ours));
+                    sums[1].add_codes(which, wanted, meaning.codes(resampled));
+                }
+            }
+        }
+        sums
+    }
+}
+
+fn interpolated(frames: &[Frame; 3], at: Vec3) -> Frame {
+    let [a, b, c] = frames;
+    Frame {
+        normal: a.normal * at.x + b.normal * at.y + c.normal * at.z,
+        tangent: a.tangent * at.x + b.tangent * at.y + c.tangent * at.z,
+    }
+}
+
+#[derive(Clone, Copy, Default)]
+struct Errors {
+    squared_codes: f64,
+    code_count: u64,
+    squared_degrees: f64,
+    normal_count: u64,
+}
+
+impl Errors {
+    fn add_codes(&mut self, which: &[usize], a: [f32; 4], b: [f32; 4]) {
+        for &component in which {
+            self.squared_codes += f64::from(a[component] - b[component]).powi(2);
+            self.code_count += 1;
+        }
+    }
+
+    /// Normals count in codes as an object-space map would store them: `n · 0.5 + 0.5`, times 255.
+    fn add_normals(&mut self, a: Vec3, b: Vec3) {
+        self.squared_codes += f64::from(((a - b) * 127.5).length_squared());
+        self.code_count += 3;
+        self.squared_degrees += f64::from(degrees_between(a, b)).powi(2);
+        self.normal_count += 1;
+    }
+
+    fn join(&mut self, other: Self) {
+        self.squared_codes += other.squared_codes;
+        self.code_count += other.code_count;
+        self.squared_degrees += other.squared_degrees;
+        self.normal_count += other.normal_count;
+    }
+
+    fn psnr_db(&self) -> f64 {
+        let mean = self.squared_codes / self.code_count.max(1) as f64;
+        if mean > 0.0 {
+            (10.0 * (255.0f64.powi(2) / mean).log10()).min(PSNR_CEILING_DB)
+        } else {
+            PSNR_CEILING_DB
+        }
+    }
+
+    fn rms(&self, is_normal: bool) -> f64 {
+        let (sum, count) = if is_normal {
+            (self.squared_degrees, self.normal_count)
+        } else {
+            (self.squared_codes, self.code_count)
+        };
+        (sum / count.max(1) as f64).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests;

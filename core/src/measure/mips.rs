@@ -1,0 +1,159 @@
+//! The ordinary mip chain of a source image, as drivers and tools make it: each level from the one before
+//! by a box filter in linear light, stored again in the image's own codes; alpha does not weigh.
+//!
+//! Sizes halve, rounded down, to 1 x 1. An odd size is covered exactly: each texel is the mean over its
+//! share of the finer level, three taps wide (2w + 1 texels become w).
+
+use rayon::prelude::*;
+
+use super::texels::{encode_codes, tables_of};
+use crate::image::{Image, Pixels, Transfer};
+use crate::math::transfer::linear_to_srgb;
+
+/// How many levels an image's chain has, with level 0.
+pub fn level_count(image: &Image) -> usize {
+    image.width.max(image.height).max(1).ilog2() as usize + 1
+}
+
+/// The next coarser level; `None` under 1 x 1.
+pub fn halved(image: &Image, transfer: Transfer) -> Option<Image> {
+    if image.width <= 1 && image.height <= 1 {
+        return None;
+    }
+    let components = image.components as usize;
+    let is_color =
+        |component: usize| transfer == Transfer::Srgb && !(image.has_alpha() && component == components - 1);
+    let tables = tables_of(image);
+    let decode = std::array::from_fn(|i| if is_color(i) { &tables.srgb[..] } else { &tables.plain[..] });
+    let shrink = Shrink {
+        columns: taps(image.width),
+        rows: taps(image.height),
+        row_codes: image.width as usize * components,
+        components,
+        decode,
+    };
+    let pixels = match &image.pixels {
+        Pixels::U8(codes) => Pixels::U8(shrink.filtered(codes, |component, value| {
+            let code = if is_color(component) { encode_codes(value) } else { value * 255.0 };
+            (code + 0.5) as u8
+        })),
+        Pixels::U16(codes) => Pixels::U16(shrink.filtered(codes, |component, value| {
+            let share = if is_color(component) { linear_to_srgb(value) } else { value };
+            (share * 65535.0 + 0.5) as u16
+        })),
+    };
+    let (width, height) = (shrink.columns.len() as u32, shrink.rows.len() as u32);
+    Some(Image { width, height, components: image.components, pixels })
+}
+
+/// The finer texels that one texel covers along an axis: `weights[..count]` from `first` on, sum 1.
+struct Taps {
+    first: usize,
+    count: usize,
+    weights: [f32; 3],
+}
+
+fn taps(size: u32) -> Vec<Taps> {
+    let coarse = (size / 2).max(1);
+    (0..coarse)
+        .map(|i| {
+            let first = 2 * i as usize;
+            let share = |numerator: u32| numerator as f32 / size as f32;
+            match size {
+                1 => Taps { first: 0, count: 1, weights: [1.0, 0.0, 0.0] },
+                even if even % 2 == 0 => Taps { first, count: 2, weights: [0.5, 0.5, 0.0] },
+                // The interval from i·size/coarse on, size/coarse wide.
+                _ => Taps { first, count: 3, weights: [share(coarse - i), share(coarse), share(i + 1)] },
+            }
+        })
+        .collect()
+}
+
+struct Shrink<'a> {
+    columns: Vec<Taps>,
+    rows: Vec<Taps>,
+    row_codes: usize,
+    components: usize,
+    /// By component.
+    decode: [&'a [f32]; 4],
+}
+
+impl Shrink<'_> {
+    fn filtered<T>(&self, codes: &[T], encode: impl Fn(usize, f32) -> T + Sync) -> Vec<T>
+    where
+        T: Copy + Default + Send + Sync + Into<usize>,
+    {
+        let stride = self.columns.len() * self.components;
+        let mut coarse = vec![T::default(); stride * self.rows.len()];
+        coarse.par_chunks_mut(stride).zip(&self.rows).for_each(|(out, row)| {
+            for (texel, column) in out.chunks_mut(self.components).zip(&self.columns) {
+                let mut sums = [0.0f32; 4];
+                for j in 0..row.count {
+                    let line = &codes[(row.first + j) * self.row_codes..][..self.row_codes];
+                    let stored = &line[column.first * self.components..];
+                    for i in 0..column.count {
+                        let weight = row.weights[j] * column.weights[i];
+                        for component in 0..self.components {
+                            let code: usize = stored[i * self.components + component].into();
+                            sums[component] += weight * self.decode[component][code];
+                        }
+                    }
+                }
+                for (component, code) in texel.iter_mut().enumerate() {
+                    *code = encode(component, sums[component]);
+                }
+            }
+        });
+        coarse
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gray(width: u32, height: u32, codes: Vec<u8>) -> Image {
+        Image { width, height, components: 1, pixels: Pixels::U8(codes) }
+    }
+
+    #[test]
+    fn halves_in_linear_light() {
+        let checker = gray(2, 2, vec![0, 255, 255, 0]);
+        assert_eq!(halved(&checker, Transfer::Srgb), Some(gray(1, 1, vec![188])));
+        assert_eq!(halved(&checker, Transfer::Linear), Some(gray(1, 1, vec![128])));
+        assert_eq!(halved(&gray(1, 1, vec![7]), Transfer::Linear), None);
+    }
+
+    #[test]
+    fn every_constant_keeps_its_code_down_to_one_texel() {
+        for (width, height) in [(8, 8), (7, 5), (1, 9), (3, 1)] {
+            for code in 0..=255u8 {
+                let mut level = gray(width, height, vec![code; (width * height) as usize]);
+                let mut count = 1;
+                while let Some(next) = halved(&level, Transfer::Srgb) {
+                    assert!(matches!(&next.pixels, Pixels::U8(codes) if codes.iter().all(|c| *c == code)));
+                    level = next;
+                    count += 1;
+                }
+                assert_eq!((level.size(), count), ([1, 1], level_count(&gray(width, height, vec![]))));
+            }
+        }
+    }
+
+    #[test]
+    fn odd_sizes_keep_the_mean() {
+        // 5 texels become 2 of 2.5 each: (10 + 20 + 15) / 2.5 and (15 + 40 + 50) / 2.5.
+        let level = halved(&gray(5, 1, vec![10, 20, 30, 40, 50]), Transfer::Linear);
+        assert_eq!(level, Some(gray(2, 1, vec![18, 42])));
+    }
+
+    #[test]
+    fn alpha_and_deep_codes_are_averaged_as_they_are() {
+        let pixels = Pixels::U16(vec![0, 0, 65535, 65535]);
+        let image = Image { width: 2, height: 1, components: 2, pixels };
+        let Some(level) = halved(&image, Transfer::Srgb) else { panic!("two texels have a half") };
+        let Pixels::U16(codes) = level.pixels else { panic!("the depth stays") };
+        assert!(codes[0].abs_diff(48193) < 20, "{codes:?}");
+        assert_eq!(codes[1], 32768);
+    }
+}

@@ -1,0 +1,201 @@
+//! The source of one channel as `measure` reads it: its image, coordinates and frames; the edges where
+//! its charts meet, and how they come apart down the ordinary mip chain.
+
+use std::borrow::Cow;
+
+use glam::Vec2;
+
+use super::edges::{EdgePair, Side};
+use super::figures::{Survey, survey, weighted_mean};
+use super::judge::{Judge, Meaning, Track};
+use super::mips;
+use super::report::{SourceLevel, Unit};
+use super::surface::{Part, Surface};
+use super::texels::Texels;
+use crate::asset::{Asset, Slot, TextureRef};
+use crate::error::{Error, Result};
+use crate::finished::Frame;
+use crate::image::Image;
+use crate::source::tangents;
+use crate::watch::{self, Watch};
+
+/// Coordinates that differ by less are one: the rounding of exporters.
+const SAME_UV: f32 = 1e-6;
+
+/// Two sides whose mean difference at level 0 is not above this agree: drift is measured there.
+const AGREEMENT_CODES: f32 = 4.0;
+const AGREEMENT_DEGREES: f32 = 2.0;
+
+/// A channel's source over one surface.
+pub struct Origin<'a> {
+    pub image: &'a Image,
+    pub texture: TextureRef,
+    pub meaning: Meaning,
+    /// Transformed coordinates of the vertices, part by part.
+    uvs: Vec<Vec<Vec2>>,
+    /// The frames of the triangles' corners, part by part; empty but for normals.
+    frames: Vec<Vec<[Frame; 3]>>,
+}
+
+/// What a slot's texels stand for.
+pub fn meaning(asset: &Asset, material: usize, slot: Slot) -> Meaning {
+    match slot {
+        Slot::Normal => {
+            Meaning::Normal { scale: asset.materials.get(material).map_or(1.0, |m| m.normal_scale) }
+        }
+        slot if slot.is_color() => Meaning::Color,
+        _ => Meaning::Data,
+    }
+}
+
+impl<'a> Origin<'a> {
+    /// `None` where the material has no texture in that slot.
+    ///
+    /// # Errors
+    /// `Internal` where the surface's triangles are not those of the asset's faces.
+    pub fn new(asset: &'a Asset, surface: &Surface<'_>, slot: Slot) -> Result<Option<Self>> {
+        let texture = asset.materials.get(surface.material).and_then(|material| material.slot(slot)).copied();
+        let Some(texture) = texture else { return Ok(None) };
+        let Some(image) = asset.images.get(texture.image) else { return Ok(None) };
+        let uvs = surface.parts.iter().map(|part| part_uvs(part, &texture)).collect();
+        let meaning = meaning(asset, surface.material, slot);
+        let frames = if matches!(meaning, Meaning::Normal { .. }) {
+            surface.parts.iter().map(|part| part_frames(part, &texture)).collect::<Result<_>>()?
+        } else {
+            Vec::new()
+        };
+        Ok(Some(Self { image, texture, meaning, uvs, frames }))
+    }
+
+    pub fn texels<'i>(&self, image: &'i Image) -> Texels<'i> {
+        Texels::new(image, self.meaning.transfer(), self.texture.wrap)
+    }
+
+    pub fn corner_uvs(&self, part: usize, vertices: [u32; 3]) -> [Vec2; 3] {
+        vertices.map(|vertex| self.uvs[part][vertex as usize])
+    }
+
+    pub fn corner_frames(&self, part: usize, triangle: usize) -> Option<&[Frame; 3]> {
+        self.frames.get(part).map(|frames| &frames[triangle])
+    }
+
+    /// The pairs where charts meet: the stored coordinates of the two sides differ at an end.
+    pub fn seam_pairs(&self, surface: &Surface<'_>) -> Vec<u32> {
+        let stored = |side: &Side, ends: [usize; 2]| {
+            let part = surface.part(side);
+            let set = part.geometry.texcoords.get(self.texture.texcoord);
+            let triangle = part.triangles[side.triangle as usize];
+            ends.map(|k| set.and_then(|set| set.get(triangle[k] as usize)).copied().unwrap_or(Vec2::ZERO))
+        };
+        let differs = |pair: &EdgePair| {
+            let (a, b) = (stored(&pair.a, pair.a.ends()), stored(&pair.b, pair.ends_of_b()));
+            (0..2).any(|end| (a[end] - b[end]).abs().max_element() > SAME_UV)
+        };
+        let numbered = surface.pairs.iter().enumerate();
+        numbered.filter(|(_, pair)| differs(pair)).map(|(number, _)| number as u32).collect()
+    }
+
+    fn track(&self, surface: &Surface<'_>, side: &Side, ends: [usize; 2], size_texels: Vec2) -> Track {
+        let triangle = side.triangle as usize;
+        let uvs = self.corner_uvs(side.part as usize, surface.part(side).triangles[triangle]);
+        let frames = self.corner_frames(side.part as usize, triangle).map(|frames| ends.map(|k| frames[k]));
+        Track { from: uvs[ends[0]], to: uvs[ends[1]], scale: size_texels, shift: Vec2::ZERO, frames }
+    }
+}
+
+fn part_uvs(part: &Part<'_>, texture: &TextureRef) -> Vec<Vec2> {
+    match part.geometry.texcoords.get(texture.texcoord) {
+        Some(set) => set.iter().map(|uv| texture.transform.apply(*uv)).collect(),
+        None => vec![texture.transform.apply(Vec2::ZERO); part.geometry.positions.len()],
+    }
+}
+
+/// The source's frames by drawn triangle. The triangles stand in the order of the faces that they are
+/// cut from, and each corner is found among its face's.
+fn part_frames(part: &Part<'_>, texture: &TextureRef) -> Result<Vec<[Frame; 3]>> {
+    let of_faces = tangents::frames(part.geometry, texture.texcoord, texture.transform);
+    let faces = part.geometry.faces.iter().zip(&of_faces);
+    let mut drawn = faces.flat_map(|(face, frames)| face.triangles().iter().map(move |_| (face, frames)));
+    let mismatch = || Error::internal("the drawn triangles are not those of the asset's faces");
+    let mut by_triangle = Vec::with_capacity(part.triangles.len());
+    for triangle in &part.triangles {
+        let (face, frames) = drawn.next().ok_or_else(mismatch)?;
+        let mut corners = [frames[0]; 3];
+        for (corner, vertex) in corners.iter_mut().zip(triangle) {
+            let k = face.corners().iter().position(|other| other == vertex).ok_or_else(mismatch)?;
+            *corner = frames[k];
+        }
+        by_triangle.push(corners);
+    }
+    Ok(by_triangle)
+}
+
+/// How the source's seams look at each level of its mip chain.
+pub struct SourceSeams {
+    /// Indices into the surface's pairs.
+    pub seam: Vec<u32>,
+    /// Indices into `seam`: edges whose two sides agree at level 0.
+    pub agreed: Vec<u32>,
+    pub levels: Vec<SeamLevel>,
+}
+
+pub struct SeamLevel {
+    pub size: [u32; 2],
+    pub survey: Survey,
+}
+
+impl SourceSeams {
+    /// Surveys the first `level_limit` levels, or as many as the image has.
+    pub fn survey(
+        origin: &Origin<'_>,
+        surface: &Surface<'_>,
+        level_limit: usize,
+        watch: &dyn Watch,
+    ) -> Result<Self> {
+        let seam = origin.seam_pairs(surface);
+        let mut levels = Vec::new();
+        let mut image = Cow::Borrowed(origin.image);
+        while levels.len() < level_limit {
+            watch::check(watch)?;
+            let judge = Judge {
+                texels: origin.texels(&image),
+                meaning: origin.meaning,
+                components: image.components,
+            };
+            let size_texels = judge.texels.size_texels();
+            let survey = survey(&surface.pairs, &seam, |pair| {
+                judge.jumps(
+                    &origin.track(surface, &pair.a, pair.a.ends(), size_texels),
+                    &origin.track(surface, &pair.b, pair.ends_of_b(), size_texels),
+                )
+            });
+            levels.push(SeamLevel { size: image.size(), survey });
+            match mips::halved(&image, origin.meaning.transfer()) {
+                Some(next) if levels.len() < level_limit => image = Cow::Owned(next),
+                _ => break,
+            }
+        }
+        let limit = if origin.meaning.unit() == Unit::Degrees { AGREEMENT_DEGREES } else { AGREEMENT_CODES };
+        let means = levels.first().map_or(&[][..], |level| &level.survey.edge_means);
+        let agreed = (0..seam.len() as u32).filter(|&at| means[at as usize] <= limit).collect();
+        Ok(Self { seam, agreed, levels })
+    }
+
+    /// The agreeing edges as indices into the surface's pairs.
+    pub fn agreed_pairs(&self) -> Vec<u32> {
+        self.agreed.iter().map(|&at| self.seam[at as usize]).collect()
+    }
+
+    /// The mean jump over the agreeing edges; `None` where there are none, or no such level.
+    pub fn drift(&self, surface: &Surface<'_>, level: usize) -> Option<f64> {
+        let means = &self.levels.get(level)?.survey.edge_means;
+        let agreed = self.agreed_pairs();
+        weighted_mean(&surface.pairs, &agreed, self.agreed.iter().map(|&at| means[at as usize]))
+    }
+
+    pub fn report(&self, surface: &Surface<'_>, level: usize) -> Option<SourceLevel> {
+        let at = self.levels.get(level)?;
+        let seams = (!self.seam.is_empty()).then_some(at.survey.figures);
+        Some(SourceLevel { size: at.size, seams, drift: self.drift(surface, level) })
+    }
+}

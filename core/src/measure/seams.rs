@@ -1,0 +1,103 @@
+//! The seams of a conversion: at every level, what the two sides of each edge differ by.
+
+use glam::Vec2;
+
+use super::edges::{EdgePair, Side};
+use super::figures::{Survey, survey};
+use super::judge::{Judge, Meaning, Track};
+use super::report::CutShare;
+use super::surface::Surface;
+use super::texels::{CLAMPED, Texels};
+use crate::error::{Error, Result};
+use crate::finished::FinishedTexture;
+
+/// One converted texture over its surface.
+pub struct Converted<'a> {
+    pub surface: &'a Surface<'a>,
+    pub texture: &'a FinishedTexture,
+    pub meaning: Meaning,
+}
+
+impl Converted<'_> {
+    /// # Errors
+    /// `InvalidModel` where normals have no frames to stand in.
+    pub fn check(&self) -> Result<()> {
+        let lacks_frames = |part: &&super::surface::Part<'_>| part.frames().len() != part.triangles.len();
+        if matches!(self.meaning, Meaning::Normal { .. })
+            && let Some(part) = self.surface.parts.iter().find(lacks_frames)
+        {
+            let pointer = format!("/meshes/{}/primitives/{}", part.mesh, part.primitive);
+            return Err(Error::invalid("a converted normal map needs NORMAL and TANGENT").at(pointer));
+        }
+        Ok(())
+    }
+
+    /// The jumps on the pairs with the given indices.
+    pub fn survey(&self, level: usize, which: &[u32]) -> Survey {
+        let image = &self.texture.levels[level];
+        let judge = Judge {
+            texels: Texels::new(image, self.meaning.transfer(), CLAMPED),
+            meaning: self.meaning,
+            components: image.components,
+        };
+        // MCT equation 2; dividing by a power of two is exact.
+        let scale = Vec2::splat((-(level as f32)).exp2());
+        survey(&self.surface.pairs, which, |pair| {
+            judge.jumps(
+                &self.track(&pair.a, pair.a.ends(), scale),
+                &self.track(&pair.b, pair.ends_of_b(), scale),
+            )
+        })
+    }
+
+    fn track(&self, side: &Side, ends: [usize; 2], scale: Vec2) -> Track {
+        let part = self.surface.part(side);
+        let triangle = &part.placed[side.triangle as usize];
+        let frames = matches!(self.meaning, Meaning::Normal { .. })
+            .then(|| ends.map(|k| part.frames()[side.triangle as usize][k]));
+        Track {
+            from: triangle.scaled[ends[0]],
+            to: triangle.scaled[ends[1]],
+            scale,
+            shift: triangle.offset,
+            frames,
+        }
+    }
+}
+
+/// The pairs that are not cut.
+pub fn uncut(cut_flags: &[bool]) -> Vec<u32> {
+    (0..cut_flags.len() as u32).filter(|&pair| !cut_flags[pair as usize]).collect()
+}
+
+/// Shares of seam length, and counts, by edge: an edge of several pairs is a seam, or cut, when one of
+/// its pairs is.
+pub fn cut_share(surface: &Surface<'_>, seam: &[u32], cut_flags: &[bool]) -> CutShare {
+    let mut is_seam = vec![false; surface.pairs.len()];
+    seam.iter().for_each(|&pair| is_seam[pair as usize] = true);
+    let mut share = CutShare::default();
+    let (mut inner, mut seams, mut cut_seams) = (0.0, 0.0, 0.0);
+    let mut start = 0;
+    for edge in surface.pairs.chunk_by(|x: &EdgePair, y| x.a == y.a) {
+        let range = start..start + edge.len();
+        start = range.end;
+        let length = f64::from(edge[0].length);
+        let (seam, cut) = (is_seam[range.clone()].contains(&true), cut_flags[range].contains(&true));
+        inner += length;
+        share.cut_edge_count += u64::from(cut);
+        if seam {
+            share.seam_edge_count += 1;
+            seams += length;
+            cut_seams += if cut { length } else { 0.0 };
+        }
+    }
+    if seams > 0.0 {
+        share.seam_share = seams / inner;
+        share.cut_share = cut_seams / seams;
+        share.welded_share = 1.0 - share.cut_share;
+    }
+    share
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,148 @@
+//! The drawn triangles of one material over all its meshes, with the pairs of sides that meet: of a
+//! source by its faces, of a conversion by the triangles that it wrote.
+
+use glam::{Vec2, Vec3};
+
+use super::edges::{self, EdgePair, Side};
+use crate::asset::{Asset, Primitive};
+use crate::error::{Error, Result};
+use crate::finished::{Finished, FinishedPrimitive, FinishedTriangle, Frame};
+
+/// No image is as large: converted coordinates beyond are refused.
+const FAR_TEXELS: f32 = 1e9;
+
+/// The triangles of one primitive.
+pub struct Part<'a> {
+    pub mesh: usize,
+    pub primitive: usize,
+    pub geometry: &'a Primitive,
+    /// Vertices of `geometry`.
+    pub triangles: Vec<[u32; 3]>,
+    /// One for each triangle; empty for a plain source.
+    pub placed: &'a [FinishedTriangle],
+    pub finished: Option<&'a FinishedPrimitive>,
+}
+
+impl Part<'_> {
+    pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
+        self.triangles[triangle].map(|vertex| self.geometry.positions[vertex as usize])
+    }
+
+    /// The frames a conversion gave; empty where it has none.
+    pub fn frames(&self) -> &[[Frame; 3]] {
+        self.finished.map_or(&[], |finished| &finished.frames)
+    }
+}
+
+pub struct Surface<'a> {
+    pub material: usize,
+    /// In order of mesh, then primitive.
+    pub parts: Vec<Part<'a>>,
+    pub pairs: Vec<EdgePair>,
+}
+
+impl<'a> Surface<'a> {
+    pub fn of_source(asset: &'a Asset, material: usize) -> Self {
+        let mut parts = Vec::new();
+        for (mesh, primitive, geometry) in primitives(asset) {
+            if geometry.material == Some(material) && !geometry.faces.is_empty() {
+                let triangles = fan(geometry).map(|(_, triangle)| triangle).collect();
+                parts.push(Part { mesh, primitive, geometry, triangles, placed: &[], finished: None });
+            }
+        }
+        Self::joined(material, parts)
+    }
+
+    /// # Errors
+    /// `InvalidModel` where the conversion does not fit the asset it is about.
+    pub fn of_finished(asset: &'a Asset, finished: &'a Finished, material: usize) -> Result<Self> {
+        let mut parts = Vec::new();
+        for written in finished.primitives.iter().filter(|written| written.material == material) {
+            let at = format!("/meshes/{}/primitives/{}", written.mesh, written.primitive);
+            let geometry = asset
+                .meshes
+                .get(written.mesh)
+                .and_then(|mesh| mesh.primitives.get(written.primitive))
+                .ok_or_else(|| {
+                    Error::invalid("converted coordinates of a primitive that is not there").at(&at)
+                })?;
+            check_fit(geometry, written).map_err(|error| error.at(&at))?;
+            parts.push(Part {
+                mesh: written.mesh,
+                primitive: written.primitive,
+                geometry,
+                triangles: written.triangles.iter().map(|triangle| triangle.vertices).collect(),
+                placed: &written.triangles,
+                finished: Some(written),
+            });
+        }
+        parts.sort_by_key(|part| (part.mesh, part.primitive));
+        Ok(Self::joined(material, parts))
+    }
+
+    fn joined(material: usize, parts: Vec<Part<'a>>) -> Self {
+        let pairs = edges::pairs(&parts);
+        Self { material, parts, pairs }
+    }
+
+    pub fn part(&self, side: &Side) -> &Part<'a> {
+        &self.parts[side.part as usize]
+    }
+
+    pub fn triangle_count(&self) -> usize {
+        self.parts.iter().map(|part| part.triangles.len()).sum()
+    }
+
+    /// For each pair, whether either side's triangle says that `texture` does not join it.
+    pub fn cut_flags(&self, texture: usize) -> Vec<bool> {
+        let bits: Vec<&[u8]> = self
+            .parts
+            .iter()
+            .map(|part| {
+                let cuts = part.finished.map_or(&[][..], |finished| &finished.cuts);
+                cuts.iter().find(|cuts| cuts.texture == texture).map_or(&[][..], |cuts| &cuts.bits)
+            })
+            .collect();
+        let marked = |side: &Side| {
+            let bits = bits[side.part as usize].get(side.triangle as usize).copied().unwrap_or(0);
+            bits >> side.corner & 1 == 1
+        };
+        self.pairs.iter().map(|pair| marked(&pair.a) || marked(&pair.b)).collect()
+    }
+}
+
+fn primitives(asset: &Asset) -> impl Iterator<Item = (usize, usize, &Primitive)> {
+    asset.meshes.iter().enumerate().flat_map(|(mesh, content)| {
+        content.primitives.iter().enumerate().map(move |(number, primitive)| (mesh, number, primitive))
+    })
+}
+
+/// The triangles that a primitive's faces are drawn as, each with its face.
+pub fn fan(primitive: &Primitive) -> impl Iterator<Item = (usize, [u32; 3])> {
+    primitive.faces.iter().enumerate().flat_map(|(number, face)| {
+        face.triangles().iter().map(move |corners| (number, corners.map(|corner| face.corners[corner])))
+    })
+}
+
+fn check_fit(geometry: &Primitive, written: &FinishedPrimitive) -> Result<()> {
+    let vertex_count = geometry.positions.len();
+    for (number, triangle) in written.triangles.iter().enumerate() {
+        if triangle.vertices.iter().any(|&vertex| vertex as usize >= vertex_count) {
+            return Err(Error::invalid(format!(
+                "triangle {number} names vertices {:?}, and there are {vertex_count}",
+                triangle.vertices
+            )));
+        }
+        // Not a number is not within either.
+        let is_near = |place: Vec2| place.abs().cmplt(Vec2::splat(FAR_TEXELS)).all();
+        if !(triangle.scaled.into_iter().all(is_near) && is_near(triangle.offset)) {
+            return Err(Error::invalid(format!(
+                "triangle {number} has a coordinate beyond {FAR_TEXELS} texels"
+            )));
+        }
+    }
+    if !written.frames.is_empty() && written.frames.len() != written.triangles.len() {
+        return Err(Error::invalid("frames and triangles differ in number"));
+    }
+    Ok(())
+}

@@ -1,0 +1,197 @@
+//! A stored image as a sampler sees it: decoded, wrapped, filtered. Written here once more, apart from
+//! the code that made the images, so that a mistake there cannot hide itself.
+//!
+//! Codes are decoded by table at every fetch: a level of 13 M texels costs no memory beyond its own.
+
+use std::sync::LazyLock;
+
+use glam::Vec2;
+
+use crate::image::{Image, Pixels, Transfer, Wrap, WrapMode};
+
+/// Wrap of a converted level: its sampler clamps.
+pub const CLAMPED: Wrap = Wrap { s: WrapMode::ClampToEdge, t: WrapMode::ClampToEdge };
+
+/// Decoding tables of one depth.
+pub struct Tables {
+    /// For color.
+    pub srgb: Vec<f32>,
+    /// For data and alpha.
+    pub plain: Vec<f32>,
+}
+
+fn tables(last_code: u32) -> Tables {
+    let share = |code: u32| f64::from(code) / f64::from(last_code);
+    // IEC 61966-2-1.
+    let light = |v: f64| if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) };
+    Tables {
+        srgb: (0..=last_code).map(|code| light(share(code)) as f32).collect(),
+        plain: (0..=last_code).map(|code| share(code) as f32).collect(),
+    }
+}
+
+static OF_8_BITS: LazyLock<Tables> = LazyLock::new(|| tables(255));
+static OF_16_BITS: LazyLock<Tables> = LazyLock::new(|| tables(65535));
+
+/// The tables of an image's depth.
+pub fn tables_of(image: &Image) -> &'static Tables {
+    match image.pixels {
+        Pixels::U8(_) => &OF_8_BITS,
+        Pixels::U16(_) => &OF_16_BITS,
+    }
+}
+
+/// The tables of 8-bit codes.
+pub fn of_8_bits() -> &'static Tables {
+    &OF_8_BITS
+}
+
+/// Steps of the encoding table: its error stays under 0.0004 codes, far below a rounding.
+const ENCODE_STEPS: usize = 16384;
+
+static ENCODE: LazyLock<Vec<f32>> = LazyLock::new(|| {
+    let code = |v: f64| 255.0 * if v <= 0.0031308 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+    (0..=ENCODE_STEPS + 1).map(|step| code((step as f64 / ENCODE_STEPS as f64).min(1.0)) as f32).collect()
+});
+
+/// Linear light to 8-bit sRGB codes, not rounded; clamped to [0, 255].
+pub fn encode_codes(linear: f32) -> f32 {
+    let at = linear.clamp(0.0, 1.0) * ENCODE_STEPS as f32;
+    let step = at as usize;
+    let table = &*ENCODE;
+    let (low, high) = (table[step], table[step + 1]);
+    low + (high - low) * (at - step as f32)
+}
+
+/// An image with the meaning of its codes and its wrap modes.
+#[derive(Clone, Copy)]
+pub struct Texels<'a> {
+    image: &'a Image,
+    wrap: Wrap,
+    color: &'static [f32],
+    plain: &'static [f32],
+}
+
+impl<'a> Texels<'a> {
+    pub fn new(image: &'a Image, transfer: Transfer, wrap: Wrap) -> Self {
+        let tables = tables_of(image);
+        let color = if transfer == Transfer::Srgb { &tables.srgb } else { &tables.plain };
+        Self { image, wrap, color, plain: &tables.plain }
+    }
+
+    pub fn size_texels(&self) -> Vec2 {
+        Vec2::new(self.image.width as f32, self.image.height as f32)
+    }
+
+    /// The bilinear value at a place in texels (centers at `.5`): red, green, blue, alpha; gray stands
+    /// in all three, and alpha is 1 where there is none.
+    pub fn bilinear(&self, at_texels: Vec2) -> [f32; 4] {
+        match &self.image.pixels {
+            Pixels::U8(codes) => self.mix(codes, at_texels),
+            Pixels::U16(codes) => self.mix(codes, at_texels),
+        }
+    }
+
+    fn mix<T: Copy + Into<usize>>(&self, codes: &[T], at: Vec2) -> [f32; 4] {
+        match self.image.components {
+            1 => {
+                let [gray] = self.mixed::<T, 1>(codes, at);
+                [gray, gray, gray, 1.0]
+            }
+            2 => {
+                let [gray, alpha] = self.mixed::<T, 2>(codes, at);
+                [gray, gray, gray, alpha]
+            }
+            3 => {
+                let [red, green, blue] = self.mixed::<T, 3>(codes, at);
+                [red, green, blue, 1.0]
+            }
+            _ => self.mixed::<T, 4>(codes, at),
+        }
+    }
+
+    fn mixed<T: Copy + Into<usize>, const N: usize>(&self, codes: &[T], at: Vec2) -> [f32; N] {
+        let corner = Vec2::new(bounded(at.x), bounded(at.y)) - 0.5;
+        let floor = corner.floor();
+        let part = corner - floor;
+        let (x, y) = (floor.x as i64, floor.y as i64);
+        let [width, height] = self.image.size();
+        let columns = [wrapped(self.wrap.s, x, width), wrapped(self.wrap.s, x + 1, width)];
+        let rows = [wrapped(self.wrap.t, y, height), wrapped(self.wrap.t, y + 1, height)];
+        let texel = |column: usize, row: usize| -> [f32; N] {
+            let start = (rows[row] * width as usize + columns[column]) * N;
+            let stored = &codes[start..start + N];
+            std::array::from_fn(|i| {
+                let alpha = (N == 2 || N == 4) && i == N - 1;
+                let table = if alpha { self.plain } else { self.color };
+                table[stored[i].into()]
+            })
+        };
+        let (a, b, c, d) = (texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1));
+        std::array::from_fn(|i| {
+            let top = a[i] + (b[i] - a[i]) * part.x;
+            let bottom = c[i] + (d[i] - c[i]) * part.x;
+            top + (bottom - top) * part.y
+        })
+    }
+}
+
+/// Places that still have a texel number; a place that is no number reads as far out.
+fn bounded(place_texels: f32) -> f32 {
+    const FAR_TEXELS: f32 = 1e12;
+    // In this order NaN becomes a number.
+    place_texels.max(-FAR_TEXELS).min(FAR_TEXELS)
+}
+
+/// Most fetches fall inside, and the remainder of wide integers is slow.
+fn wrapped(mode: WrapMode, at: i64, size: u32) -> usize {
+    if (0..i64::from(size)).contains(&at) { at as usize } else { mode.apply(at, size) as usize }
+}
+
+/// The components that an image of this many stores, of red, green, blue, alpha.
+pub fn stored_components(count: u8) -> &'static [usize] {
+    match count {
+        1 => &[0],
+        2 => &[0, 3],
+        3 => &[0, 1, 2],
+        _ => &[0, 1, 2, 3],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::transfer::linear_to_srgb;
+
+    #[test]
+    fn the_encoding_table_is_the_function() {
+        for step in 0..=100_000 {
+            let linear = step as f32 / 100_000.0;
+            assert!((encode_codes(linear) - 255.0 * linear_to_srgb(linear)).abs() < 1e-3, "{linear}");
+        }
+        assert_eq!((encode_codes(-1.0), encode_codes(f32::NAN) >= 0.0), (0.0, false));
+        assert!((encode_codes(7.0) - 255.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn filters_in_linear_light_and_wraps() {
+        let image = Image { width: 2, height: 1, components: 1, pixels: Pixels::U8(vec![0, 255]) };
+        let clamped = Texels::new(&image, Transfer::Srgb, CLAMPED);
+        assert_eq!(clamped.bilinear(Vec2::new(1.0, 0.5)), [0.5, 0.5, 0.5, 1.0]);
+        assert_eq!(clamped.bilinear(Vec2::new(-3.0, 9.0))[0], 0.0);
+        for far in [f32::MAX, f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+            assert!(clamped.bilinear(Vec2::new(far, far))[0].is_finite());
+        }
+        let repeated = Texels::new(&image, Transfer::Srgb, Wrap::default());
+        assert_eq!(repeated.bilinear(Vec2::new(-0.25, 0.5))[0], 0.75);
+        assert!((encode_codes(0.5) - 187.516).abs() < 1e-2);
+    }
+
+    #[test]
+    fn sixteen_bits_and_alpha_are_plain() {
+        let pixels = Pixels::U16(vec![0, 65535, 65535, 0]);
+        let image = Image { width: 2, height: 1, components: 2, pixels };
+        let texels = Texels::new(&image, Transfer::Srgb, CLAMPED);
+        assert_eq!(texels.bilinear(Vec2::new(0.75, 0.5)), [0.25, 0.25, 0.25, 0.75]);
+    }
+}
