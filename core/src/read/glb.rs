@@ -37,10 +37,10 @@ pub(super) fn split(bytes: &[u8]) -> Result<Glb<'_>> {
         let refused = |what: &str| Err(Error::invalid(format!("GLB chunk {number} {what}")));
         match (kind, number) {
             (CHUNK_JSON, 0) => json = Some(data),
+            (_, 0) => return refused("is not the JSON chunk, which must come first"),
             (CHUNK_JSON, _) => return refused("is a second JSON chunk; there is exactly one, the first"),
             (CHUNK_BIN, 1) => bin = Some(data),
             (CHUNK_BIN, _) => return refused("is a BIN chunk, which may only stand second"),
-            (_, 0) => return refused("is not the JSON chunk, which must come first"),
             // Chunks of other types are extensions; the specification says to skip them.
             _ => {}
         }

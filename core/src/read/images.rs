@@ -8,11 +8,11 @@ use image::{DynamicImage, ImageDecoder, codecs::jpeg::JpegDecoder, codecs::png::
 use rayon::prelude::*;
 
 use super::image_header::{self, Header};
-use super::{Limits, image_header::Format};
+use super::{Context, Limits, image_header::Format};
 use crate::asset::EncodedImage;
 use crate::error::{Error, ErrorCode, Result};
 use crate::image::{Image, Pixels};
-use crate::watch::{self, Watch};
+use crate::watch;
 
 /// Memory that a decoder may use besides the picture: rows, text and profile chunks.
 const DECODER_EXTRA_BYTES: u64 = 16 << 20;
@@ -25,13 +25,15 @@ pub(super) struct Decoded {
     pub canonical: Vec<usize>,
 }
 
-/// Decodes the images that are wanted, in parallel, with the same result in any order.
+/// Decodes the images that are wanted, in parallel, with the same result in any order. `place` says
+/// where in the model an image stands.
 pub(super) fn decode_all(
     encoded: &[EncodedImage],
     wanted: &[bool],
-    limits: &Limits,
-    watch: &dyn Watch,
+    place: impl Fn(usize) -> String + Sync,
+    context: &Context,
 ) -> Result<Decoded> {
+    let (limits, watch) = (context.budget.limits, context.watch);
     let canonical = first_of_equals(encoded);
     let mut chosen = vec![false; encoded.len()];
     for (index, _) in wanted.iter().enumerate().filter(|(_, wanted)| **wanted) {
@@ -40,14 +42,14 @@ pub(super) fn decode_all(
     let mut headers = Vec::new();
     let mut total_pixels = 0u64;
     for (index, file) in encoded.iter().enumerate().filter(|(index, _)| chosen[*index]) {
-        let header = checked_header(&file.bytes, limits, &pointer(index))?;
+        let header = checked_header(&file.bytes, limits, &place(index))?;
         total_pixels += header.pixels();
         if total_pixels > limits.job_pixels {
             let detail = format!(
                 "the images together have at least {total_pixels} pixels; the limit is {} (limit `job_pixels`)",
                 limits.job_pixels
             );
-            let error = Error::new(ErrorCode::ImageTooLarge, detail).at(pointer(index));
+            let error = Error::new(ErrorCode::ImageTooLarge, detail).at(place(index));
             return Err(error.limit(limits.job_pixels, total_pixels));
         }
         headers.push((index, header));
@@ -58,7 +60,7 @@ pub(super) fn decode_all(
         .par_iter()
         .map(|&(index, header)| {
             watch::check(watch)?;
-            decode(&encoded[index].bytes, header).map_err(|error| error.at(pointer(index)))
+            decode(&encoded[index].bytes, header).map_err(|error| error.at(place(index)))
         })
         .collect();
     watch.step(None);
@@ -67,10 +69,6 @@ pub(super) fn decode_all(
         images[index] = image?;
     }
     Ok(Decoded { images, canonical })
-}
-
-fn pointer(index: usize) -> String {
-    format!("/images/{index}")
 }
 
 fn placeholder() -> Image {

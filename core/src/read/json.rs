@@ -85,10 +85,6 @@ impl<'a> At<'a> {
         Some(At { value, pointer: pointer_to(&self.pointer, key) })
     }
 
-    pub fn need(&self, key: &str) -> Result<At<'a>> {
-        self.get(key).ok_or_else(|| self.error(format!("`{key}` is missing")))
-    }
-
     /// The object at `key`; absent counts as none.
     pub fn object(&self, key: &str) -> Result<Option<At<'a>>> {
         match self.get(key) {
@@ -143,6 +139,10 @@ impl<'a> At<'a> {
         Ok(Some(number))
     }
 
+    pub fn need_size(&self, key: &str) -> Result<usize> {
+        self.size(key)?.ok_or_else(|| self.error(format!("`{key}` is missing")))
+    }
+
     /// An index into a list of `length` elements.
     pub fn index_below(&self, length: usize, what: &str) -> Result<usize> {
         let index = self.whole()?;
@@ -154,6 +154,10 @@ impl<'a> At<'a> {
 
     pub fn index(&self, key: &str, length: usize, what: &str) -> Result<Option<usize>> {
         self.get(key).map(|at| at.index_below(length, what)).transpose()
+    }
+
+    pub fn need_index(&self, key: &str, length: usize, what: &str) -> Result<usize> {
+        self.index(key, length, what)?.ok_or_else(|| self.error(format!("`{key}` is missing")))
     }
 
     pub fn string(&self, key: &str) -> Result<Option<&'a str>> {

@@ -39,31 +39,55 @@ impl<'a> Resources<'a> {
             return Ok(Loaded { bytes: decoded.bytes, media_type: Some(decoded.media_type) });
         }
         let path = uri::resolve(uri, &self.folder, pointer)?;
-        match self.load(path, pointer, budget)? {
+        match self.load(&path, pointer, budget)? {
             Some(bytes) => Ok(Loaded { bytes, media_type: None }),
-            None => Err(self.missing(&quoted(uri), pointer)),
+            None => Err(self.missing(&quoted(uri), &self.folder, pointer)),
         }
     }
 
-    /// What a file name of an OBJ or MTL file names.
-    pub fn load_name(&mut self, name: &[u8], pointer: &str, budget: &mut Budget) -> Result<Vec<u8>> {
-        for path in uri::resolve_name(name, &self.folder, pointer)? {
-            if let Some(bytes) = self.load(path, pointer, budget)? {
-                return Ok(bytes);
+    /// Folder of the main file: empty, or ending in `/`.
+    pub fn folder(&self) -> &str {
+        &self.folder
+    }
+
+    /// What a file name of an OBJ or MTL file names, with its path.
+    pub fn load_name(
+        &mut self,
+        name: &[u8],
+        folder: &str,
+        pointer: &str,
+        budget: &mut Budget,
+    ) -> Result<(String, Vec<u8>)> {
+        match self.find_name(name, folder, pointer, budget)? {
+            Some(found) => Ok(found),
+            None => Err(self.missing(&quoted_bytes(name), folder, pointer)),
+        }
+    }
+
+    pub fn find_name(
+        &mut self,
+        name: &[u8],
+        folder: &str,
+        pointer: &str,
+        budget: &mut Budget,
+    ) -> Result<Option<(String, Vec<u8>)>> {
+        for path in uri::resolve_name(name, folder, pointer)? {
+            if let Some(bytes) = self.load(&path, pointer, budget)? {
+                return Ok(Some((path, bytes)));
             }
         }
-        Err(self.missing(&quoted_bytes(name), pointer))
+        Ok(None)
     }
 
     /// The rules alone, for names that are not needed.
-    pub fn check_name(&self, name: &[u8], pointer: &str) -> Result<()> {
-        uri::resolve_name(name, &self.folder, pointer).map(drop)
+    pub fn check_name(&self, name: &[u8], folder: &str, pointer: &str) -> Result<()> {
+        uri::resolve_name(name, folder, pointer).map(drop)
     }
 
-    fn load(&mut self, path: String, pointer: &str, budget: &mut Budget) -> Result<Option<Vec<u8>>> {
-        let Some(bytes) = self.files.read(&path)? else { return Ok(None) };
+    fn load(&mut self, path: &str, pointer: &str, budget: &mut Budget) -> Result<Option<Vec<u8>>> {
+        let Some(bytes) = self.files.read(path)? else { return Ok(None) };
         budget.take_bytes(bytes.len() as u64, pointer)?;
-        self.used.insert(path);
+        self.used.insert(path.to_owned());
         let (limit, actual) = (budget.limits.files, self.used.len() as u64);
         if actual > limit {
             let detail = format!("the model uses more than {limit} files (limit `files`)");
@@ -72,15 +96,12 @@ impl<'a> Resources<'a> {
         Ok(Some(bytes))
     }
 
-    fn missing(&self, shown: &str, pointer: &str) -> Error {
+    fn missing(&self, shown: &str, folder: &str, pointer: &str) -> Error {
         let names = self.files.names();
         let listed: Vec<String> = names.iter().take(LISTED_NAMES).map(|name| quoted(name)).collect();
         let more = if names.len() > LISTED_NAMES { ", …" } else { "" };
-        let within = if self.folder.is_empty() {
-            String::new()
-        } else {
-            format!(" in the folder {}", quoted(&self.folder))
-        };
+        let within =
+            if folder.is_empty() { String::new() } else { format!(" in the folder {}", quoted(folder)) };
         let detail = format!(
             "the file {shown} is not in the upload{within}; add it (the upload has: {}{more})",
             listed.join(", ")

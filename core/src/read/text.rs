@@ -17,3 +17,9 @@ pub(super) fn quoted_bytes(name: &[u8]) -> String {
     // A character has at most four bytes, so this much is enough to fill the line.
     quoted(&String::from_utf8_lossy(&name[..name.len().min(4 * SHOWN_CHARS + 4)]))
 }
+
+/// The last part of a path, fit for `file:line`.
+pub(super) fn file_label(path: &str) -> String {
+    let name = path.rsplit('/').next().unwrap_or(path);
+    name.chars().take(SHOWN_CHARS).flat_map(char::escape_debug).collect()
+}

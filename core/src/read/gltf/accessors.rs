@@ -145,7 +145,7 @@ fn read_one(at: &At, views: &[View], warnings: &mut Warnings) -> Result<Accessor
         component: component(at)?,
         normalized: at.flag("normalized")?,
         dimensions: dimensions(at)?,
-        count: at.size("count")?.ok_or_else(|| at.error("`count` is missing"))?,
+        count: at.need_size("count")?,
         sparse: None,
     };
     if accessor.count == 0 {
@@ -195,15 +195,13 @@ fn check_inside(
 }
 
 fn read_sparse(at: &At, accessor: &Accessor, views: &[View]) -> Result<Sparse> {
-    let count = at.size("count")?.ok_or_else(|| at.error("`count` is missing"))?;
+    let count = at.need_size("count")?;
     if count == 0 || count > accessor.count {
         return Err(at.error(format!("count is {count}; allowed is 1..={}", accessor.count)));
     }
     let part = |key: &str, element: Option<usize>| -> Result<(At, Stretch, DataType)> {
         let part = at.object(key)?.ok_or_else(|| at.error(format!("`{key}` is missing")))?;
-        let view = part
-            .index("bufferView", views.len(), "bufferViews")?
-            .ok_or_else(|| part.error("`bufferView` is missing"))?;
+        let view = part.need_index("bufferView", views.len(), "bufferViews")?;
         let offset = part.size("byteOffset")?.unwrap_or(0);
         let kind = if element.is_some() { accessor.component } else { component(&part)? };
         let element = element.unwrap_or(kind.size());
@@ -219,7 +217,7 @@ fn read_sparse(at: &At, accessor: &Accessor, views: &[View]) -> Result<Sparse> {
 }
 
 fn component(at: &At) -> Result<DataType> {
-    let code = at.size("componentType")?.ok_or_else(|| at.error("`componentType` is missing"))?;
+    let code = at.need_size("componentType")?;
     match code {
         5120 => Ok(DataType::I8),
         5121 => Ok(DataType::U8),

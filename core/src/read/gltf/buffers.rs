@@ -13,7 +13,7 @@ pub(super) fn load(root: &At, bin: Option<&[u8]>, context: &mut Context) -> Resu
     let mut buffers = Vec::new();
     for (index, at) in root.objects("buffers")?.iter().enumerate() {
         watch::check(context.watch)?;
-        let length = at.size("byteLength")?.ok_or_else(|| at.error("`byteLength` is missing"))?;
+        let length = at.need_size("byteLength")?;
         let mut bytes = match (at.string("uri")?, bin) {
             (Some(uri), _) => {
                 let pointer = format!("{}/uri", at.pointer);

@@ -114,8 +114,7 @@ fn alpha_mode(at: &At) -> Result<AlphaMode> {
 }
 
 fn texture_ref(info: &At, textures: &[Texture], warnings: &mut Warnings) -> Result<Option<TextureRef>> {
-    let index =
-        info.index("index", textures.len(), "textures")?.ok_or_else(|| info.error("`index` is missing"))?;
+    let index = info.need_index("index", textures.len(), "textures")?;
     let mut texcoord = set(info)?.unwrap_or(0);
     let mut transform = UvTransform::default();
     if let Some(extensions) = info.object("extensions")?

@@ -41,7 +41,7 @@ pub(super) fn read(json: Value, bin: Option<&[u8]>, context: &mut Context) -> Re
     let meshes = primitives::read(&root, &store, context)?;
 
     let wanted = materials::wanted_images(&root, &materials, encoded_images.len());
-    let decoded = images::decode_all(&encoded_images, &wanted, context.budget.limits, context.watch)?;
+    let decoded = images::decode_all(&encoded_images, &wanted, |index| format!("/images/{index}"), context)?;
     for reference in materials.iter_mut().flat_map(|material| &mut material.slots).flatten() {
         reference.image = decoded.canonical[reference.image];
     }

@@ -17,10 +17,9 @@ pub(super) fn read(root: &At, buffers: &[Vec<u8>]) -> Result<Vec<View>> {
 }
 
 fn read_one(at: &At, buffers: &[Vec<u8>]) -> Result<View> {
-    let buffer =
-        at.index("buffer", buffers.len(), "buffers")?.ok_or_else(|| at.error("`buffer` is missing"))?;
+    let buffer = at.need_index("buffer", buffers.len(), "buffers")?;
     let offset = at.size("byteOffset")?.unwrap_or(0);
-    let length = at.size("byteLength")?.ok_or_else(|| at.error("`byteLength` is missing"))?;
+    let length = at.need_size("byteLength")?;
     let available = buffers[buffer].len();
     if offset.checked_add(length).is_none_or(|end| end > available) {
         return Err(at.error(format!(
