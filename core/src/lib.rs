@@ -22,6 +22,8 @@ pub mod asset;
 
 pub mod read;
 
+pub mod source;
+
 pub mod resample;
 
 pub mod mip;
@@ -33,8 +35,6 @@ pub mod assign;
 pub mod solve;
 
 pub mod finished;
-
-pub mod source;
 
 pub mod measure;
 
