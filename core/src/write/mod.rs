@@ -22,6 +22,7 @@ use crate::finished::{Finished, FinishedPrimitive};
 use crate::watch::{Stage, Watch, check};
 
 use draft::Draft;
+pub use images::png;
 use materials::Materials;
 
 /// The glTF extension that a converted file uses (never requires).
