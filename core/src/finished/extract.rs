@@ -4,8 +4,6 @@
 
 mod coordinates;
 mod cuts;
-#[cfg(test)]
-mod tests;
 mod textures;
 
 use crate::asset::{Asset, Slot};
@@ -13,8 +11,12 @@ use crate::error::{Error, Result};
 
 use super::{Finished, FinishedPrimitive, FinishedTexture, Frame};
 
-/// The extension's name in a converted file.
-const EXTENSION: &str = "MCT_mesh_color_texture";
+/// The glTF extension that a converted file uses (never requires).
+pub const EXTENSION: &str = "MCT_mesh_color_texture";
+/// Vertex attribute with `u_s`.
+pub const SCALED_ATTRIBUTE: &str = "_MCT_SCALED";
+/// Vertex attribute with `u_δ`.
+pub const OFFSET_ATTRIBUTE: &str = "_MCT_OFFSET";
 
 /// The conversion that a file holds, or `None` where it holds none. Cuts that are all zero, and
 /// primitives without faces, are not in the file and so not in the answer.

@@ -3,7 +3,7 @@
 
 mod extract;
 
-pub use extract::extract;
+pub use extract::{EXTENSION, OFFSET_ATTRIBUTE, SCALED_ATTRIBUTE, extract};
 
 use glam::{Vec2, Vec3, Vec4};
 

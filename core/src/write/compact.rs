@@ -26,7 +26,7 @@ impl Marks {
         &mut self.0[position(kind)]
     }
 
-    /// Marks what is pointed at; whether that is news.
+    /// Marks what a pointer points at; a pointer out of range marks nothing.
     fn mark(&mut self, kind: Kind, pointer: &Value) {
         let index = pointer.as_u64().and_then(|number| usize::try_from(number).ok());
         if let Some(mark) = index.and_then(|index| self.of(kind).get_mut(index)) {

@@ -125,7 +125,7 @@ impl<'a> Draft<'a> {
             let generator = concat!("meshcolor ", env!("CARGO_PKG_VERSION"));
             self.root.insert("asset".to_owned(), json!({ "version": "2.0", "generator": generator }));
         }
-        container(&Value::Object(self.root), &chunks, offset)
+        container(&Value::Object(self.root), chunks, offset)
     }
 }
 
@@ -163,7 +163,7 @@ fn open_view<'a>(view: Value, document: &'a Document) -> View<'a> {
     View { json, bytes: bytes.map(Cow::Borrowed) }
 }
 
-fn container(json: &Value, chunks: &[Cow<'_, [u8]>], bin_bytes: usize) -> Result<Vec<u8>> {
+fn container(json: &Value, chunks: Vec<Cow<'_, [u8]>>, bin_bytes: usize) -> Result<Vec<u8>> {
     let mut text = serde_json::to_vec(json).map_err(|error| Error::internal(error.to_string()))?;
     text.resize(padded(text.len()), b' ');
     let bin_total = if bin_bytes == 0 { 0 } else { 8 + bin_bytes };
@@ -184,7 +184,7 @@ fn container(json: &Value, chunks: &[Cow<'_, [u8]>], bin_bytes: usize) -> Result
         glb.extend_from_slice(&(bin_bytes as u32).to_le_bytes());
         glb.extend_from_slice(&CHUNK_BIN.to_le_bytes());
         for chunk in chunks {
-            glb.extend_from_slice(chunk);
+            glb.extend_from_slice(&chunk);
             glb.resize(padded(glb.len()), 0);
         }
     }

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 
 use serde_json::{Map, Value};
 
-use super::EXTENSION;
+use crate::finished::EXTENSION;
+
 use super::draft::Draft;
 
 /// Extensions that go out of use where conversion replaced the last thing that had them.

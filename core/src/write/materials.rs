@@ -8,11 +8,11 @@ use serde_json::{Map, Value, json};
 
 use crate::asset::Asset;
 use crate::error::{Error, Result};
-use crate::finished::{Finished, FinishedTexture};
+use crate::finished::{EXTENSION, Finished, FinishedTexture};
 
 use super::draft::{Draft, at, index, member, object, remove_extension};
 use super::references::visit_texture_infos;
-use super::{EXTENSION, images, slot_path};
+use super::{images, slot_path};
 
 const CLAMP_TO_EDGE: u32 = 33071;
 const LINEAR: u32 = 9729;
@@ -153,7 +153,7 @@ fn add_texture(draft: &mut Draft<'_>, texture: &FinishedTexture, levels: Vec<Vec
     let number = draft.textures.len();
     let channel = texture.slots[0].gltf_name().trim_end_matches("Texture");
     let material = object(at(&mut draft.materials, texture.material));
-    let name = match material.get("name").and_then(Value::as_str) {
+    let name = match material.get("name").and_then(Value::as_str).filter(|name| !name.is_empty()) {
         Some(name) => format!("{name} {channel}"),
         None => format!("material {} {channel}", texture.material),
     };

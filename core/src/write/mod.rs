@@ -11,7 +11,7 @@ mod materials;
 mod primitives;
 mod references;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;
 mod vertices;
 
 use std::collections::BTreeMap;
@@ -24,13 +24,6 @@ use crate::watch::{Stage, Watch, check};
 use draft::Draft;
 pub use images::png;
 use materials::Materials;
-
-/// The glTF extension that a converted file uses (never requires).
-pub const EXTENSION: &str = "MCT_mesh_color_texture";
-/// Vertex attribute with `u_s`.
-pub const SCALED_ATTRIBUTE: &str = "_MCT_SCALED";
-/// Vertex attribute with `u_δ`.
-pub const OFFSET_ATTRIBUTE: &str = "_MCT_OFFSET";
 
 /// One file of a bundle.
 #[derive(Clone, Debug, PartialEq, Eq)]

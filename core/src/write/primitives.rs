@@ -5,12 +5,11 @@ use serde_json::{Map, Value, json};
 
 use crate::asset::{Asset, Attribute, Primitive};
 use crate::error::{Error, Result, Warning};
-use crate::finished::{Finished, FinishedPrimitive};
+use crate::finished::{EXTENSION, Finished, FinishedPrimitive, OFFSET_ATTRIBUTE, SCALED_ATTRIBUTE};
 
 use super::draft::{Draft, index, member, remove_extension};
 use super::materials::{Converted, Materials, variants};
 use super::vertices::{self, Corners};
-use super::{EXTENSION, OFFSET_ATTRIBUTE, SCALED_ATTRIBUTE};
 
 /// glTF's mode for loose points.
 const POINTS: u32 = 0;

@@ -3,7 +3,8 @@
 
 use serde_json::{Map, Value};
 
-use super::EXTENSION;
+use crate::finished::EXTENSION;
+
 use super::draft::Draft;
 
 /// An array that can be pointed into.

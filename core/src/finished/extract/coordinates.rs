@@ -6,10 +6,8 @@ use crate::asset::Attribute;
 use crate::error::Result;
 use crate::finished::{FinishedTriangle, Frame};
 
-use super::{Place, frame};
+use super::{OFFSET_ATTRIBUTE as OFFSET, Place, SCALED_ATTRIBUTE as SCALED, frame};
 
-const SCALED: &str = "_MCT_SCALED";
-const OFFSET: &str = "_MCT_OFFSET";
 const FLOAT: u32 = 5126;
 const UNSIGNED_SHORT: u32 = 5123;
 /// Far beyond any texture, and small enough for whole texels to be exact in 32 bits.

@@ -178,7 +178,7 @@ pub fn noise(width: u32, height: u32, components: u8, seed: u32) -> Image {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 16) as u16
     };
-    let pixels = if seed % 2 == 0 {
+    let pixels = if seed.is_multiple_of(2) {
         Pixels::U16((0..count).map(|_| next()).collect())
     } else {
         Pixels::U8((0..count).map(|_| next() as u8).collect())

@@ -1,7 +1,9 @@
 //! Writes made-up conversions and reads them back with a small reader of its own.
 
-pub(crate) mod fixture;
-pub(crate) mod parse;
+mod fixture;
+mod lies;
+mod parse;
+mod special;
 
 use glam::Vec2;
 
@@ -64,7 +66,7 @@ fn materials_keep_all_but_the_converted_textures() {
     let roughness = &coat["pbrMetallicRoughness"]["metallicRoughnessTexture"];
     assert_eq!(roughness["index"], coat["occlusionTexture"]["index"]);
     let texture = &json["textures"][base["index"].as_u64().unwrap() as usize];
-    let levels = texture["extensions"][super::EXTENSION]["levels"].as_array().unwrap();
+    let levels = texture["extensions"][crate::finished::EXTENSION]["levels"].as_array().unwrap();
     assert_eq!((levels.len(), &levels[0]), (3, &texture["source"]));
     let sampler = &json["samplers"][texture["sampler"].as_u64().unwrap() as usize];
     assert_eq!((sampler["minFilter"].as_u64(), sampler["wrapS"].as_u64()), (Some(9729), Some(33071)));
@@ -105,7 +107,7 @@ fn what_only_replaced_things_used_is_swept_out() {
     assert_eq!(count("bufferViews"), count("accessors") + count("images"));
     let matrices = json["skins"][0]["inverseBindMatrices"].as_u64().unwrap() as usize;
     assert_eq!(parse::attribute(&json, &bin, "", matrices).kind, "MAT4");
-    let used = ["KHR_materials_clearcoat", "KHR_lights_punctual", super::EXTENSION];
+    let used = ["KHR_materials_clearcoat", "KHR_lights_punctual", crate::finished::EXTENSION];
     assert_eq!(json["extensionsUsed"], serde_json::json!(used));
     assert!(json.get("extensionsRequired").is_none());
 }
