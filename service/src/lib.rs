@@ -1,1 +1,3 @@
+//! The service and the command line around the conversion.
 
+pub mod sample;

@@ -1,1 +1,9 @@
+//! What the black-box tests share.
 
+pub mod models;
+pub mod validator;
+
+/// Whether a missing tool is a failure: `tests/run` says so, because it has installed them.
+pub fn requires_tools() -> bool {
+    std::env::var_os("MESHCOLOR_REQUIRE_TOOLS").is_some_and(|value| value == "1")
+}

@@ -1,6 +1,10 @@
 //! What a conversion ends in: level images and 4D coordinates. `write` stores it, `measure` judges it,
 //! a preview draws it; reading a converted file gives it back. Nothing here remembers how it was made.
 
+mod extract;
+
+pub use extract::{EXTENSION, OFFSET_ATTRIBUTE, SCALED_ATTRIBUTE, extract};
+
 use glam::{Vec2, Vec3};
 
 use crate::asset::Slot;

@@ -1,4 +1,29 @@
-//! Finished conversions to files: GLB, PNG, the bundle's manifest.
+//! Finished conversions to files: the GLB with its images, in the form that the bundle promises.
+//!
+//! The glTF JSON of the source is the draft: what was converted is replaced in it, everything else
+//! stays as it came, and what only the replaced parts used is swept out at the end.
+
+mod compact;
+mod draft;
+mod extensions;
+mod images;
+mod materials;
+mod primitives;
+mod references;
+#[cfg(test)]
+mod tests;
+mod vertices;
+
+use std::collections::BTreeMap;
+
+use crate::asset::{Asset, Slot};
+use crate::error::{Error, Result, Warning};
+use crate::finished::{Finished, FinishedPrimitive};
+use crate::watch::{Stage, Watch, check};
+
+use draft::Draft;
+pub use images::png;
+use materials::Materials;
 
 /// One file of a bundle.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -6,4 +31,82 @@ pub struct BundleFile {
     /// Relative path with `/`.
     pub path: String,
     pub bytes: Vec<u8>,
+}
+
+/// The converted model as one binary glTF 2.0 file: the same bytes for any number of threads.
+///
+/// A converted material belongs to the converted primitives alone: a primitive that shares it without
+/// having faces to convert (points, lines), and a `KHR_materials_variants` mapping of a converted
+/// primitive, get a copy of the source's material at the end of `materials`, with the source's
+/// textures. What cannot be kept is named by [`losses`].
+///
+/// # Errors
+/// `Canceled`; `InvalidModel` where a part of the source that has to be kept lies outside of its
+/// buffer; `Internal` where `asset` and `finished` contradict each other.
+pub fn glb(asset: &Asset, finished: &Finished, watch: &dyn Watch) -> Result<Vec<u8>> {
+    watch.stage(Stage::Write);
+    watch.step(Some("encode"));
+    let encoded = images::encode_levels(finished, watch);
+    watch.step(None);
+    let mut draft = Draft::open(&asset.document)?;
+    images::embed_files(&mut draft, asset);
+    let converted = converted_primitives(asset, finished)?;
+    let mut materials = Materials::convert(&mut draft, asset, finished, encoded?)?;
+    for (mesh, source) in asset.meshes.iter().enumerate() {
+        for primitive in 0..source.primitives.len() {
+            check(watch)?;
+            let target = primitives::Target { asset, finished, mesh, primitive };
+            match converted.get(&(mesh, primitive)) {
+                Some(piece) => target.write_converted(&mut draft, &mut materials, piece)?,
+                None => target.write_source(&mut draft, &mut materials)?,
+            }
+        }
+    }
+    compact::sweep(&mut draft, &asset.document)?;
+    extensions::settle(&mut draft, !converted.is_empty());
+    check(watch)?;
+    draft.into_glb()
+}
+
+/// What a converted file cannot keep of its source, as warnings for the report.
+pub fn losses(asset: &Asset, finished: &Finished) -> Vec<Warning> {
+    primitives::losses(asset, finished)
+}
+
+/// The primitives with triangles by mesh and primitive, checked against the asset. One without
+/// triangles is written as it came, because an accessor cannot be empty.
+fn converted_primitives<'a>(
+    asset: &Asset,
+    finished: &'a Finished,
+) -> Result<BTreeMap<(usize, usize), &'a FinishedPrimitive>> {
+    let mut converted = BTreeMap::new();
+    for piece in finished.primitives.iter().filter(|piece| !piece.triangles.is_empty()) {
+        let place = format!("/meshes/{}/primitives/{}", piece.mesh, piece.primitive);
+        let source = asset
+            .meshes
+            .get(piece.mesh)
+            .and_then(|mesh| mesh.primitives.get(piece.primitive))
+            .ok_or_else(|| Error::internal("a converted primitive is not in the asset").at(&place))?;
+        let vertex_count = source.positions.len();
+        let corners = piece.triangles.iter().flat_map(|triangle| triangle.vertices);
+        if corners.into_iter().any(|vertex| vertex as usize >= vertex_count) {
+            return Err(Error::internal("a triangle has a vertex that its primitive lacks").at(place));
+        }
+        if !piece.frames.is_empty() && piece.frames.len() != piece.triangles.len() {
+            return Err(Error::internal("frames and triangles differ in number").at(place));
+        }
+        converted.insert((piece.mesh, piece.primitive), piece);
+    }
+    Ok(converted)
+}
+
+/// Where a slot's texture info stands inside a material, as a chain of property names.
+pub(crate) fn slot_path(slot: Slot) -> &'static [&'static str] {
+    match slot {
+        Slot::BaseColor => &["pbrMetallicRoughness", "baseColorTexture"],
+        Slot::MetallicRoughness => &["pbrMetallicRoughness", "metallicRoughnessTexture"],
+        Slot::Normal => &["normalTexture"],
+        Slot::Occlusion => &["occlusionTexture"],
+        Slot::Emissive => &["emissiveTexture"],
+    }
 }

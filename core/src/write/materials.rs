@@ -1,0 +1,206 @@
+//! Materials: converted slots point at level images, the others at the texture coordinate sets that
+//! moved behind `TEXCOORD_0`.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::Vec2;
+use serde_json::{Map, Value, json};
+
+use crate::asset::Asset;
+use crate::error::{Error, Result};
+use crate::finished::{EXTENSION, Finished, FinishedTexture};
+
+use super::draft::{Draft, at, index, member, object, remove_extension};
+use super::references::visit_texture_infos;
+use super::{images, slot_path};
+
+const CLAMP_TO_EDGE: u32 = 33071;
+const LINEAR: u32 = 9729;
+
+/// What primitives have to know of a converted material.
+pub struct Converted {
+    /// Size of level 0, texels.
+    pub size: Vec2,
+    /// Source sets that unconverted textures read: the one at `n` becomes `TEXCOORD_{n + 1}`.
+    pub sets: Vec<usize>,
+    /// Whether something that is not converted needs the source's tangents.
+    pub keeps_tangents: bool,
+}
+
+pub struct Materials {
+    source: Vec<Value>,
+    converted: BTreeMap<usize, Converted>,
+    /// Copies of source materials, by source and the converted material whose sets they read.
+    copies: BTreeMap<(usize, Option<usize>), usize>,
+}
+
+impl Materials {
+    /// Adds the level images (`encoded`: PNG by texture and level) and rewrites the materials.
+    pub fn convert(
+        draft: &mut Draft<'_>,
+        asset: &Asset,
+        finished: &Finished,
+        encoded: Vec<Vec<Vec<u8>>>,
+    ) -> Result<Self> {
+        let mut this =
+            Self { source: draft.materials.clone(), converted: BTreeMap::new(), copies: BTreeMap::new() };
+        let first_new = draft.textures.len();
+        let sampler = draft.samplers.len();
+        if !finished.textures.is_empty() {
+            draft.samplers.push(json!({
+                "magFilter": LINEAR, "minFilter": LINEAR, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE
+            }));
+        }
+        for (texture, levels) in finished.textures.iter().zip(encoded) {
+            if texture.material >= asset.materials.len() || texture.slots.is_empty() {
+                return Err(Error::internal("a converted texture has no place in the asset's materials"));
+            }
+            let size = texture.levels.first().map(|level| Vec2::new(level.width as f32, level.height as f32));
+            let size = size.ok_or_else(|| Error::internal("a converted texture has no levels"))?;
+            add_texture(draft, texture, levels, sampler);
+            let blank = Converted { size, sets: Vec::new(), keeps_tangents: false };
+            if this.converted.entry(texture.material).or_insert(blank).size != size {
+                return Err(Error::internal("the textures of one material differ in size")
+                    .at(format!("/materials/{}", texture.material)));
+            }
+        }
+        this.settle_sets(draft, finished, first_new);
+        Ok(this)
+    }
+
+    pub fn converted(&self, material: usize) -> Option<&Converted> {
+        self.converted.get(&material)
+    }
+
+    /// A copy of the source's material: for primitives that keep their own coordinates (`None`), or
+    /// for converted ones of the material `reads_sets_of`.
+    pub fn copy(&mut self, draft: &mut Draft<'_>, source: usize, reads_sets_of: Option<usize>) -> usize {
+        if let Some(copy) = self.copies.get(&(source, reads_sets_of)) {
+            return *copy;
+        }
+        let mut material = self.source.get(source).cloned().unwrap_or_else(|| json!({}));
+        if let Some(converted) = reads_sets_of.and_then(|material| self.converted.get(&material)) {
+            move_sets(&mut material, &converted.sets, usize::MAX);
+        }
+        draft.materials.push(material);
+        let copy = draft.materials.len() - 1;
+        self.copies.insert((source, reads_sets_of), copy);
+        copy
+    }
+
+    /// Finds which sets of the source each converted material still needs, and moves them.
+    fn settle_sets(&mut self, draft: &mut Draft<'_>, finished: &Finished, first_new: usize) {
+        let mut needs: BTreeMap<usize, Needs> = BTreeMap::new();
+        for material in self.converted.keys() {
+            needs.entry(*material).or_default().add(at(&mut draft.materials, *material), first_new);
+        }
+        for piece in &finished.primitives {
+            let Some(needs) = needs.get_mut(&piece.material) else { continue };
+            for variant in variants(draft.primitive(piece.mesh, piece.primitive)) {
+                if let Some(material) = self.source.get_mut(variant).filter(|_| variant != piece.material) {
+                    needs.add(material, usize::MAX);
+                }
+            }
+        }
+        for (material, needs) in needs {
+            let Some(converted) = self.converted.get_mut(&material) else { continue };
+            converted.sets = needs.sets.into_iter().collect();
+            converted.keeps_tangents = needs.tangents;
+            move_sets(at(&mut draft.materials, material), &converted.sets, first_new);
+        }
+    }
+}
+
+/// What the unconverted part of a material reads of its primitives.
+#[derive(Default)]
+struct Needs {
+    sets: BTreeSet<usize>,
+    tangents: bool,
+}
+
+impl Needs {
+    fn add(&mut self, material: &mut Value, first_new: usize) {
+        let extensions = material.get("extensions");
+        self.tangents |= extensions.is_some_and(|all| all.get("KHR_materials_anisotropy").is_some());
+        visit_texture_infos(material, &mut |name, info| {
+            if is_converted(info, first_new) {
+                return;
+            }
+            self.tangents |= name.ends_with("ormalTexture");
+            self.sets.insert(number(info.get("texCoord")));
+            if let Some(set) = transform(info).and_then(|transform| transform.get("texCoord")) {
+                self.sets.insert(number(Some(set)));
+            }
+        });
+    }
+}
+
+fn move_sets(material: &mut Value, sets: &[usize], first_new: usize) {
+    let place = |set: usize| sets.iter().position(|own| *own == set).map_or(0, |place| place + 1);
+    visit_texture_infos(material, &mut |_, info| {
+        if is_converted(info, first_new) {
+            return;
+        }
+        let set = place(number(info.get("texCoord")));
+        info.insert("texCoord".to_owned(), set.into());
+        if let Some(set) = transform(info).and_then(|transform| transform.get_mut("texCoord")) {
+            *set = place(number(Some(set))).into();
+        }
+    });
+}
+
+fn add_texture(draft: &mut Draft<'_>, texture: &FinishedTexture, levels: Vec<Vec<u8>>, sampler: usize) {
+    let number = draft.textures.len();
+    let channel = texture.slots[0].gltf_name().trim_end_matches("Texture");
+    let material = object(at(&mut draft.materials, texture.material));
+    let name = match material.get("name").and_then(Value::as_str).filter(|name| !name.is_empty()) {
+        Some(name) => format!("{name} {channel}"),
+        None => format!("material {} {channel}", texture.material),
+    };
+    let mut source_name = None;
+    for slot in &texture.slots {
+        let mut info = &mut *material;
+        for step in slot_path(*slot) {
+            info = member(info, step);
+        }
+        let source = info.insert("index".to_owned(), number.into());
+        source_name = source_name.or(source);
+        info.remove("texCoord");
+        remove_extension(info, "KHR_texture_transform");
+    }
+    let levels: Vec<usize> = levels
+        .into_iter()
+        .enumerate()
+        .map(|(level, png)| images::add(draft, png, format!("{name} level {level}")))
+        .collect();
+    let mut json = Map::new();
+    let source_name = source_name.and_then(|index| draft.textures.get(index.as_u64()? as usize)?.get("name"));
+    if let Some(name) = source_name {
+        json.insert("name".to_owned(), name.clone());
+    }
+    json.insert("sampler".to_owned(), sampler.into());
+    json.insert("source".to_owned(), levels[0].into());
+    json.insert("extensions".to_owned(), json!({ EXTENSION: { "levels": levels } }));
+    draft.textures.push(Value::Object(json));
+}
+
+/// The materials that `KHR_materials_variants` maps a primitive to.
+pub fn variants(primitive: &Map<String, Value>) -> Vec<usize> {
+    let mappings = primitive
+        .get("extensions")
+        .and_then(|extensions| extensions.get("KHR_materials_variants")?.get("mappings")?.as_array());
+    mappings.into_iter().flatten().filter_map(|mapping| index(mapping, "material")).collect()
+}
+
+fn is_converted(info: &Map<String, Value>, first_new: usize) -> bool {
+    number(info.get("index")) >= first_new
+}
+
+fn transform(info: &mut Map<String, Value>) -> Option<&mut Value> {
+    info.get_mut("extensions")?.get_mut("KHR_texture_transform")
+}
+
+/// A set or index; what is missing is 0, as glTF has it.
+fn number(value: Option<&Value>) -> usize {
+    value.and_then(Value::as_u64).map_or(0, |number| number as usize)
+}

@@ -1,0 +1,201 @@
+//! Vertex data: the distinct corners of a converted primitive, and accessors over tight or padded bytes.
+
+use std::collections::HashMap;
+
+use glam::{Vec2, Vec3};
+use serde_json::{Value, json};
+
+use crate::asset::Attribute;
+use crate::finished::{FinishedPrimitive, Frame};
+
+use super::draft::Draft;
+
+const FLOAT: u32 = 5126;
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// A vertex of a converted primitive.
+#[derive(Clone, Copy)]
+pub struct Corner {
+    /// Vertex of the asset's primitive.
+    pub vertex: u32,
+    pub scaled: Vec2,
+    pub offset: Vec2,
+    pub frame: Option<Frame>,
+}
+
+/// Distinct corners in the order of first use, and three indices for each triangle.
+pub struct Corners {
+    pub corners: Vec<Corner>,
+    pub indices: Vec<u32>,
+}
+
+impl Corners {
+    pub fn distinct(piece: &FinishedPrimitive) -> Self {
+        let mut this = Self { corners: Vec::new(), indices: Vec::with_capacity(piece.triangles.len() * 3) };
+        let mut numbers: HashMap<[u32; 12], u32> = HashMap::new();
+        for (number, triangle) in piece.triangles.iter().enumerate() {
+            for k in 0..3 {
+                let corner = Corner {
+                    vertex: triangle.vertices[k],
+                    scaled: triangle.scaled[k],
+                    offset: triangle.offset,
+                    frame: piece.frames.get(number).map(|frames| frames[k]),
+                };
+                let next = this.corners.len() as u32;
+                let index = *numbers.entry(corner.key()).or_insert(next);
+                if index == next {
+                    this.corners.push(corner);
+                }
+                this.indices.push(index);
+            }
+        }
+        this
+    }
+
+    pub fn vertices(&self) -> Vec<u32> {
+        self.corners.iter().map(|corner| corner.vertex).collect()
+    }
+}
+
+impl Corner {
+    /// Bits, not values: a vertex is shared only where nothing at all differs.
+    fn key(&self) -> [u32; 12] {
+        let mut key = [0; 12];
+        key[0] = self.vertex;
+        let place = self.scaled.to_array().into_iter().chain(self.offset.to_array());
+        let frame = self.frame.map(|frame| (frame.normal.to_array(), frame.tangent.to_array()));
+        let (normal, tangent) = frame.unwrap_or_default();
+        for (slot, value) in key[1..].iter_mut().zip(place.chain(normal).chain(tangent)) {
+            *slot = value.to_bits();
+        }
+        key
+    }
+}
+
+/// Adds a vertex attribute of floats.
+pub fn add_floats<const N: usize>(draft: &mut Draft<'_>, values: &[[f32; N]]) -> usize {
+    let bytes: Vec<u8> = values.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+    let view = draft.add_view(bytes, Some(ARRAY_BUFFER), None);
+    let kind = ["SCALAR", "SCALAR", "VEC2", "VEC3", "VEC4"][N.min(4)];
+    add_accessor(
+        draft,
+        json!({
+            "bufferView": view, "componentType": FLOAT, "count": values.len(), "type": kind
+        }),
+    )
+}
+
+/// Adds positions, with the bounds that glTF wants of them.
+pub fn add_positions(draft: &mut Draft<'_>, positions: &[Vec3]) -> usize {
+    let values: Vec<[f32; 3]> = positions.iter().map(Vec3::to_array).collect();
+    let accessor = add_floats(draft, &values);
+    let least = positions.iter().copied().reduce(Vec3::min).unwrap_or_default();
+    let most = positions.iter().copied().reduce(Vec3::max).unwrap_or_default();
+    draft.accessors[accessor]["min"] = floats(&least.to_array());
+    draft.accessors[accessor]["max"] = floats(&most.to_array());
+    accessor
+}
+
+/// Adds triangle indices, in 16 bits where they fit (65535 means primitive restart).
+pub fn add_indices(draft: &mut Draft<'_>, indices: &[u32], vertex_count: usize) -> usize {
+    let (component_type, bytes): (u32, Vec<u8>) = if vertex_count <= 65535 {
+        (5123, indices.iter().flat_map(|index| (*index as u16).to_le_bytes()).collect())
+    } else {
+        (5125, indices.iter().flat_map(|index| index.to_le_bytes()).collect())
+    };
+    let view = draft.add_view(bytes, Some(ELEMENT_ARRAY_BUFFER), None);
+    add_accessor(
+        draft,
+        json!({
+            "bufferView": view, "componentType": component_type, "count": indices.len(), "type": "SCALAR"
+        }),
+    )
+}
+
+/// Adds one byte for each triangle, for the extension's own use.
+pub fn add_bytes(draft: &mut Draft<'_>, bytes: &[u8]) -> usize {
+    let view = draft.add_view(bytes.to_vec(), None, None);
+    add_accessor(
+        draft,
+        json!({
+            "bufferView": view, "componentType": 5121, "count": bytes.len(), "type": "SCALAR"
+        }),
+    )
+}
+
+/// Adds zeros without storing them.
+pub fn add_zero_positions(draft: &mut Draft<'_>, count: usize) -> usize {
+    let zero = floats(&[0.0; 3]);
+    add_accessor(
+        draft,
+        json!({
+            "componentType": FLOAT, "count": count, "type": "VEC3", "min": zero, "max": zero
+        }),
+    )
+}
+
+/// Adds an attribute's elements of the given vertices, each padded to four bytes.
+pub fn add_attribute(draft: &mut Draft<'_>, attribute: &Attribute, vertices: &[u32]) -> usize {
+    let size = attribute.element_bytes;
+    let stride = size.div_ceil(4) * 4;
+    let mut bytes = Vec::with_capacity(vertices.len() * stride);
+    for vertex in vertices {
+        let start = *vertex as usize * size;
+        let element = attribute.bytes.get(start..start + size).unwrap_or_default();
+        bytes.extend_from_slice(element);
+        bytes.resize(bytes.len() + stride - element.len(), 0);
+    }
+    let bounds = (attribute.semantic == "POSITION").then(|| bounds(&bytes, stride, attribute));
+    let view = draft.add_view(bytes, Some(ARRAY_BUFFER), (stride != size).then_some(stride));
+    let mut accessor = json!({
+        "bufferView": view,
+        "componentType": attribute.component_type,
+        "count": vertices.len(),
+        "type": attribute.kind,
+    });
+    if attribute.normalized {
+        accessor["normalized"] = true.into();
+    }
+    if let Some((least, most)) = bounds {
+        accessor["min"] = floats(&least);
+        accessor["max"] = floats(&most);
+    }
+    add_accessor(draft, accessor)
+}
+
+/// Least and most stored value of three components.
+fn bounds(bytes: &[u8], stride: usize, attribute: &Attribute) -> ([f32; 3], [f32; 3]) {
+    let mut least = [f32::INFINITY; 3];
+    let mut most = [f32::NEG_INFINITY; 3];
+    for element in bytes.chunks_exact(stride.max(1)) {
+        for k in 0..3 {
+            let value = component(element, k, attribute.component_type);
+            least[k] = least[k].min(value);
+            most[k] = most[k].max(value);
+        }
+    }
+    (least, most)
+}
+
+/// Component `k` of an element as stored (not scaled by `normalized`); 0 beyond its end.
+fn component(element: &[u8], k: usize, component_type: u32) -> f32 {
+    let bytes = |size: usize| element.get(k * size..(k + 1) * size).unwrap_or_default();
+    match (component_type, bytes(1), bytes(2), bytes(4)) {
+        (5120, [a], ..) => f32::from(*a as i8),
+        (5121, [a], ..) => f32::from(*a),
+        (5122, _, [a, b], _) => f32::from(i16::from_le_bytes([*a, *b])),
+        (5123, _, [a, b], _) => f32::from(u16::from_le_bytes([*a, *b])),
+        (5126, _, _, [a, b, c, d]) => f32::from_le_bytes([*a, *b, *c, *d]),
+        _ => 0.0,
+    }
+}
+
+fn floats(values: &[f32]) -> Value {
+    values.iter().map(|value| f64::from(*value)).collect()
+}
+
+fn add_accessor(draft: &mut Draft<'_>, accessor: Value) -> usize {
+    draft.accessors.push(accessor);
+    draft.accessors.len() - 1
+}

@@ -1,0 +1,161 @@
+//! Written files, judged by the Khronos validator: made-up conversions of real models, read, written and
+//! read again.
+
+use glam::{Vec2, Vec3, Vec4};
+use meshcolor::asset::{Asset, Slot};
+use meshcolor::finished::{
+    Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame, PrimitiveCuts, extract,
+};
+use meshcolor::image::{Image, Pixels, Transfer};
+use meshcolor::read::{Limits, MemoryFiles, Upload, read};
+use meshcolor::watch::Unwatched;
+use meshcolor_tests::{models, validator};
+
+const LEVEL_SIZES: [(u32, u32); 3] = [(64, 32), (33, 17), (18, 10)];
+
+fn load(upload: &Upload) -> Asset {
+    read(upload, &Limits::default(), &Unwatched).unwrap_or_else(|error| panic!("{}: {error}", upload.main))
+}
+
+/// Every textured slot of every material with faces, with coordinates and texels of no meaning.
+fn made_up(asset: &Asset) -> Finished {
+    let mut finished = Finished::default();
+    for (material, source) in asset.materials.iter().enumerate() {
+        for slot in Slot::ALL.into_iter().filter(|slot| source.slot(*slot).is_some()) {
+            let levels = LEVEL_SIZES.map(|(width, height)| gradient(width, height, slot as u8));
+            let transfer = if slot.is_color() { Transfer::Srgb } else { Transfer::Linear };
+            finished.textures.push(FinishedTexture {
+                material,
+                slots: vec![slot],
+                transfer,
+                levels: levels.to_vec(),
+            });
+        }
+    }
+    for (mesh, source) in asset.meshes.iter().enumerate() {
+        for primitive in 0..source.primitives.len() {
+            finished.primitives.extend(piece(asset, &finished.textures, mesh, primitive));
+        }
+    }
+    finished
+}
+
+fn piece(
+    asset: &Asset,
+    textures: &[FinishedTexture],
+    mesh: usize,
+    primitive: usize,
+) -> Option<FinishedPrimitive> {
+    let source = &asset.meshes[mesh].primitives[primitive];
+    let material = source.material?;
+    let own = |texture: &FinishedTexture| texture.material == material;
+    let first = textures.iter().position(own).filter(|_| !source.faces.is_empty())?;
+    let mut triangles = Vec::new();
+    for (number, face) in source.faces.iter().enumerate() {
+        for corners in face.triangles() {
+            triangles.push(FinishedTriangle {
+                vertices: corners.map(|corner| face.corners[corner]),
+                scaled: corners.map(|corner| Vec2::new(corner as f32, (number % 7) as f32)),
+                offset: Vec2::new(0.5 + (number % 50) as f32, 1.5),
+            });
+        }
+    }
+    let frame = Frame { normal: Vec3::Y, tangent: Vec4::new(0.6, 0.0, 0.8, -1.0) };
+    let has_normals = textures.iter().any(|texture| own(texture) && texture.is_normal());
+    let frames = if has_normals { vec![[frame; 3]; triangles.len()] } else { Vec::new() };
+    let mut bits = vec![0; triangles.len()];
+    bits[triangles.len() / 2] = 0b011;
+    let cuts = vec![PrimitiveCuts { texture: first, bits }];
+    Some(FinishedPrimitive { mesh, primitive, material, triangles, frames, cuts })
+}
+
+fn gradient(width: u32, height: u32, shift: u8) -> Image {
+    let code = |at: u32| (at as u8).wrapping_mul(3).wrapping_add(shift);
+    let codes = (0..width * height * 3).map(code).collect();
+    Image { width, height, components: 3, pixels: Pixels::U8(codes) }
+}
+
+/// Writes a made-up conversion, has it judged, and reads it back: what comes back is what went in, with
+/// the vertices numbered anew.
+fn judge(name: &str, upload: &Upload) {
+    let asset = load(upload);
+    let finished = made_up(&asset);
+    assert!(!finished.primitives.is_empty(), "{name} has nothing to convert");
+    let glb = meshcolor::write::glb(&asset, &finished, &Unwatched).unwrap();
+    validator::expect_valid(name, &glb, true);
+
+    let back = load(&Upload::single("asset.glb", glb));
+    let read = extract(&back).unwrap().unwrap();
+    assert_eq!(read.textures, finished.textures, "{name}");
+    assert_eq!(read.primitives.len(), finished.primitives.len(), "{name}");
+    for (read, wrote) in read.primitives.iter().zip(&finished.primitives) {
+        assert_eq!((read.mesh, read.primitive, &read.cuts), (wrote.mesh, wrote.primitive, &wrote.cuts));
+        assert!(read.frames == wrote.frames, "{name}: frames");
+        let positions = |asset: &Asset, piece: &FinishedPrimitive| -> Vec<Vec3> {
+            let source = &asset.meshes[piece.mesh].primitives[piece.primitive];
+            let vertices = piece.triangles.iter().flat_map(|triangle| triangle.vertices);
+            vertices.map(|vertex| source.positions[vertex as usize]).collect()
+        };
+        assert!(positions(&back, read) == positions(&asset, wrote), "{name}: positions");
+        let places = |piece: &FinishedPrimitive| -> Vec<_> {
+            piece.triangles.iter().map(|triangle| (triangle.scaled, triangle.offset)).collect()
+        };
+        assert!(places(read) == places(wrote), "{name}: places");
+    }
+    let passed_on = |asset: &Asset| (asset.instances.clone(), asset.document.json["animations"].is_null());
+    assert_eq!(passed_on(&back), passed_on(&asset), "{name}");
+}
+
+#[test]
+fn real_glb_models_are_valid_and_come_back() {
+    for name in ["DamagedHelmet.glb", "Fox.glb"] {
+        if let Some(bytes) = models::bytes(name) {
+            judge(name, &Upload::single(name, bytes));
+        }
+    }
+}
+
+#[test]
+fn an_obj_model_with_quads_is_valid_and_comes_back() {
+    let names = ["spot_control_mesh.obj", "spot.mtl", "spot_texture.png"];
+    let mut files = MemoryFiles::default();
+    for name in names {
+        let Some(bytes) = models::bytes(&format!("spot/{name}")) else { return };
+        files.0.insert(name.to_owned(), bytes);
+    }
+    judge("spot", &Upload { main: names[0].to_owned(), files: Box::new(files) });
+}
+
+#[test]
+fn the_demo_model_is_valid_before_and_after() {
+    let sample = meshcolor_service::sample::model();
+    validator::expect_valid("the sample", &sample, true);
+    judge("the sample, converted", &Upload::single("sample.glb", sample));
+}
+
+#[test]
+fn a_model_without_anything_converted_passes_through() {
+    for name in ["DamagedHelmet.glb", "Fox.glb"] {
+        let Some(bytes) = models::bytes(name) else { return };
+        let asset = load(&Upload::single(name, bytes));
+        let glb = meshcolor::write::glb(&asset, &Finished::default(), &Unwatched).unwrap();
+        validator::expect_valid(name, &glb, true);
+        let back = load(&Upload::single(name, glb));
+        assert!(extract(&back).unwrap().is_none());
+        assert_eq!(format!("{:?}", back.meshes), format!("{:?}", asset.meshes), "{name}");
+        assert_eq!(back.images, asset.images, "{name}");
+    }
+}
+
+#[test]
+fn an_obj_model_without_anything_converted_is_valid() {
+    let Some(bytes) = models::bytes("monsterfrog.obj") else { return };
+    let asset = load(&Upload::single("monsterfrog.obj", bytes));
+    let glb = meshcolor::write::glb(&asset, &Finished::default(), &Unwatched).unwrap();
+    validator::expect_valid("monsterfrog", &glb, true);
+    let triangle_count = |asset: &Asset| -> usize {
+        let primitives = asset.meshes.iter().flat_map(|mesh| &mesh.primitives);
+        primitives.flat_map(|primitive| &primitive.faces).map(|face| face.triangles().len()).sum()
+    };
+    assert_eq!(triangle_count(&load(&Upload::single("frog.glb", glb))), triangle_count(&asset));
+}
