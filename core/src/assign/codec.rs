@@ -66,7 +66,8 @@ impl Codec {
 
     /// Codes of a value `(r, g, b, a)`; the first `components` of the result count.
     pub fn encode(&self, value: Vec4) -> [u16; 4] {
-        let order: [f32; 4] = if self.components == 2 { [value.x, value.w, 0.0, 0.0] } else { value.to_array() };
+        let order: [f32; 4] =
+            if self.components == 2 { [value.x, value.w, 0.0, 0.0] } else { value.to_array() };
         let mut codes = [0; 4];
         for (component, code) in codes.iter_mut().enumerate().take(usize::from(self.components)) {
             *code = self.encode_one(component, order[component]);

@@ -8,7 +8,11 @@ use crate::mesh::CanvasMesh;
 ///
 /// Karp and Sipser's rule: faces with one choice left are served first, then the lowest number, with its
 /// partner of fewest choices. Linear in the number of edges.
-pub fn pair_triangles(canvas: &CanvasMesh, resolutions: &Resolutions, mergeable: &[bool]) -> Vec<Option<u32>> {
+pub fn pair_triangles(
+    canvas: &CanvasMesh,
+    resolutions: &Resolutions,
+    mergeable: &[bool],
+) -> Vec<Option<u32>> {
     let mut matching = Matching::new(canvas, resolutions, mergeable);
     for face in 0..canvas.faces.len() as u32 {
         matching.settle_forced();
@@ -54,7 +58,8 @@ impl Matching {
             return;
         }
         let free = |other: &&u32| self.partner[**other as usize].is_none();
-        let best = self.choices[face as usize].iter().filter(free).min_by_key(|other| self.open[**other as usize]);
+        let best =
+            self.choices[face as usize].iter().filter(free).min_by_key(|other| self.open[**other as usize]);
         if let Some(&other) = best {
             self.partner[face as usize] = Some(other);
             self.partner[other as usize] = Some(face);

@@ -152,7 +152,8 @@ fn merged(request: &LayoutRequest<'_>, first: u32, second: u32) -> ([[u8; 2]; 4]
     let canvas = request.canvas;
     let (a, b) = (&canvas.faces[first as usize], &canvas.faces[second as usize]);
     let shared = (0..3).flat_map(|k| (0..3).map(move |m| (k, m)));
-    let joins = |edge: u32| request.mergeable[edge as usize] && canvas.sides(&canvas.edges[edge as usize]).len() == 2;
+    let joins =
+        |edge: u32| request.mergeable[edge as usize] && canvas.sides(&canvas.edges[edge as usize]).len() == 2;
     let found = shared.into_iter().find(|&(k, m)| a.edges[k] == b.edges[m] && joins(a.edges[k]));
     let (k, m) = found.unwrap_or((0, 0)); // the pairing found this edge
     let corners = half(k as u8);

@@ -25,7 +25,11 @@ pub fn assemble(asset: &Asset, materials: &mut [MaterialConversion]) -> Finished
 }
 
 /// The material's primitives in canvas order: faces of one primitive stand in a row.
-fn primitives(asset: &Asset, conversion: &MaterialConversion, first_texture: usize) -> Vec<FinishedPrimitive> {
+fn primitives(
+    asset: &Asset,
+    conversion: &MaterialConversion,
+    first_texture: usize,
+) -> Vec<FinishedPrimitive> {
     let canvas = &conversion.canvas;
     let mut primitives: Vec<FinishedPrimitive> = Vec::new();
     for (number, face) in canvas.faces.iter().enumerate() {

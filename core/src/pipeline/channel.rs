@@ -3,8 +3,8 @@
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
-use crate::assign::{Codec, LevelChannel, NormalFrames, Rules, paint, rules};
 use crate::asset::Slot;
+use crate::assign::{Codec, LevelChannel, NormalFrames, Rules, paint, rules};
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions, sample_areas};
 use crate::error::Result;
 use crate::image::{Image, Pixels, Transfer};
@@ -201,7 +201,9 @@ impl System {
     fn gather(self, values: &[Vec4]) -> Vec<f64> {
         match self {
             System::Component(k) => values.iter().map(|value| f64::from(value[k])).collect(),
-            System::Normals => values.iter().flat_map(|value| value.xyz().to_array().map(f64::from)).collect(),
+            System::Normals => {
+                values.iter().flat_map(|value| value.xyz().to_array().map(f64::from)).collect()
+            }
         }
     }
 

@@ -5,6 +5,7 @@ mod channel;
 mod material;
 pub mod options;
 mod progress;
+mod report;
 #[cfg(test)]
 mod tests;
 
@@ -13,18 +14,20 @@ pub use options::{OPTIONS, OptionSpec, Options, Resolution, Sampling, Solver};
 
 use crate::asset::Asset;
 use crate::error::{Error, ErrorCode, Result};
-use crate::finished::Finished;
-use crate::measure::Report;
+use crate::finished::{self, Finished};
+use crate::measure::{self, Report, SubjectKind};
 use crate::read::{Limits, Upload, read};
 use crate::watch::{Stage, Watch};
-use crate::write::BundleFile;
+use crate::write::{self, BundleFile};
 
 use assemble::assemble;
 use material::{MaterialConversion, convert_material};
 use progress::Progress;
 
-/// Share of the whole journey that is the conversion itself; measuring and writing follow.
+/// Shares of the whole journey; writing has the rest.
+const READ_SHARE: f32 = 0.05;
 const CONVERSION_SHARE: f32 = 0.7;
+const MEASURE_SHARE: f32 = 0.15;
 
 /// The version that stands in reports and manifests.
 pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -46,12 +49,7 @@ pub struct Conversion {
 /// # Errors
 /// Input errors of [`crate::read::read`]; `InvalidOptions`, `TextureTooLarge`, `NothingToConvert`,
 /// `Canceled`.
-pub fn convert(
-    upload: &Upload,
-    options: &Options,
-    limits: &Limits,
-    watch: &dyn Watch,
-) -> Result<Conversion> {
+pub fn convert(upload: &Upload, options: &Options, limits: &Limits, watch: &dyn Watch) -> Result<Conversion> {
     watch.stage(Stage::Read);
     let asset = read(upload, limits, watch)?;
     convert_asset(asset, options, limits, watch)
@@ -65,9 +63,25 @@ pub fn convert_asset(
     watch: &dyn Watch,
 ) -> Result<Conversion> {
     let mut progress = Progress::new(watch);
+    progress.part(1.0);
+    progress.advance(READ_SHARE);
     let mut materials = convert_materials(&asset, options, limits, watch, &mut progress)?;
-    let _finished = assemble(&asset, &mut materials);
-    Err(Error::internal("measuring and writing are not joined yet"))
+    let finished = assemble(&asset, &mut materials);
+    watch.stage(Stage::Measure);
+    let extras = report::extras(&materials);
+    let measured = measure::converted(&asset, &finished, &extras, watch)?;
+    progress.part(1.0);
+    progress.advance(MEASURE_SHARE);
+    let glb = write::glb(&asset, &finished, watch)?;
+    let focus = measured.focus;
+    let converted = report::Converted { asset: &asset, finished: &finished, materials: &materials };
+    let report = report::of_conversion(&converted, measured, options, glb.len() as u64);
+    let files = vec![
+        BundleFile { path: "asset.glb".into(), bytes: glb },
+        BundleFile { path: "report.json".into(), bytes: report::to_bytes(&report)? },
+    ];
+    watch.progress(1.0);
+    Ok(Conversion { asset, finished, report, files, focus })
 }
 
 /// Every material that has something to convert, in order.
@@ -95,6 +109,25 @@ fn convert_materials(
 }
 
 /// Measures a model: a converted file by its own coordinates, a plain source by its mip maps.
-pub fn check(_upload: &Upload, _options: &Options, _limits: &Limits, _watch: &dyn Watch) -> Result<Report> {
-    Err(Error::internal("checking is not written yet"))
+///
+/// # Errors
+/// Input errors of [`crate::read::read`], and `InvalidModel` where a converted file contradicts itself.
+pub fn check(upload: &Upload, options: &Options, limits: &Limits, watch: &dyn Watch) -> Result<Report> {
+    watch.stage(Stage::Read);
+    let asset = read(upload, limits, watch)?;
+    let finished = finished::extract(&asset)?;
+    watch.progress(READ_SHARE);
+    watch.stage(Stage::Measure);
+    let report = match finished {
+        Some(finished) => {
+            let measured = measure::converted_file(&asset, &finished, watch)?;
+            report::of_check(&asset, SubjectKind::Converted, Some(&finished), measured, options)
+        }
+        None => {
+            let measured = measure::source(&asset, watch)?;
+            report::of_check(&asset, SubjectKind::Source, None, measured, options)
+        }
+    };
+    watch.progress(1.0);
+    Ok(report)
 }

@@ -57,8 +57,12 @@ pub(super) fn noise_asset(seed: u64, side: usize, slot: Slot) -> Asset {
     }
     let codes = (0..64 * 64 * 3).map(|_| if random.next() < 0.5 { 0 } else { (random.next() * 255.0) as u8 });
     let image = Image { width: 64, height: 64, components: 3, pixels: Pixels::U8(codes.collect()) };
-    let mut material =
-        Material { base_color_factor: Vec4::ONE, normal_scale: 1.0, occlusion_strength: 1.0, ..Material::default() };
+    let mut material = Material {
+        base_color_factor: Vec4::ONE,
+        normal_scale: 1.0,
+        occlusion_strength: 1.0,
+        ..Material::default()
+    };
     material.slots[slot as usize] =
         Some(TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() });
     Asset {
@@ -103,7 +107,12 @@ fn jumps(asset: &Asset, finished: &Finished) -> Vec<f32> {
             let mut weights = Vec3::ZERO;
             weights[k] = 1.0 - t;
             weights[(k + 1) % 3] = t;
-            let value = bilinear(image, texture.transfer, clamp, primitive.triangles[triangle].place_at(weights, level));
+            let value = bilinear(
+                image,
+                texture.transfer,
+                clamp,
+                primitive.triangles[triangle].place_at(weights, level),
+            );
             match texture.transfer {
                 Transfer::Srgb => value.xyz().map(crate::math::transfer::linear_to_srgb) * 255.0,
                 Transfer::Linear => value.xyz() * 255.0,
@@ -114,7 +123,8 @@ fn jumps(asset: &Asset, finished: &Finished) -> Vec<f32> {
             for other in &sides[1..] {
                 for step in 0..24 {
                     let t = (step as f32 + 0.37) / 24.0;
-                    worst = worst.max((value(sides[0], key[0], t) - value(*other, key[0], t)).abs().max_element());
+                    worst = worst
+                        .max((value(sides[0], key[0], t) - value(*other, key[0], t)).abs().max_element());
                 }
             }
         }

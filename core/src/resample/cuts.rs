@@ -37,7 +37,9 @@ pub fn find_cuts(
 }
 
 fn agree(source: &SurfaceSource<'_>, canvas: &CanvasMesh, sides: &[Side], threshold: f32) -> bool {
-    if !source.channel.is_normal() && sides[1..].iter().all(|&side| same_places(source, canvas, sides[0], side)) {
+    if !source.channel.is_normal()
+        && sides[1..].iter().all(|&side| same_places(source, canvas, sides[0], side))
+    {
         return true;
     }
     let point_count = sides.iter().map(|&side| length_texels(source, canvas, side)).fold(0.0, f32::max);

@@ -49,9 +49,11 @@ fn source_area_texels(sources: &[SurfaceSource<'_>], number: usize, face: &Canva
     let shape = Face { corners: face.vertices, count: face.count };
     let area = |source: &SurfaceSource<'_>| {
         let places = source.places(number);
-        let doubled: f32 = shape.triangles().iter().map(|&[a, b, c]| {
-            Vec2::perp_dot(places[b] - places[a], places[c] - places[a]).abs()
-        }).sum();
+        let doubled: f32 = shape
+            .triangles()
+            .iter()
+            .map(|&[a, b, c]| Vec2::perp_dot(places[b] - places[a], places[c] - places[a]).abs())
+            .sum();
         doubled * 0.5
     };
     sources.iter().map(area).fold(0.0, f32::max)

@@ -72,7 +72,12 @@ struct FaceView<'a> {
 }
 
 impl<'a> FaceView<'a> {
-    fn new(source: &'a SurfaceSource<'a>, numbering: &'a LevelNumbering<'a>, face: usize, area_floor: f32) -> Self {
+    fn new(
+        source: &'a SurfaceSource<'a>,
+        numbering: &'a LevelNumbering<'a>,
+        face: usize,
+        area_floor: f32,
+    ) -> Self {
         let canvas_face = &numbering.canvas.faces[face];
         let segments = numbering.segments(face);
         let side = segments as usize + 1;
@@ -198,7 +203,12 @@ impl<'a> FaceView<'a> {
 }
 
 /// Vertices and edges from what their faces see.
-fn gather(numbering: &LevelNumbering<'_>, kernel: Kernel, borders: &[Vec<WeightedMean>], shared: &mut [Vec4]) {
+fn gather(
+    numbering: &LevelNumbering<'_>,
+    kernel: Kernel,
+    borders: &[Vec<WeightedMean>],
+    shared: &mut [Vec4],
+) {
     let topology = numbering.topology;
     let (fans, strips) = shared.split_at_mut(topology.fan_count());
     fans.par_iter_mut().enumerate().for_each(|(fan, value)| {

@@ -42,7 +42,8 @@ pub struct Outcome {
 
 impl Island {
     pub fn new(rows: Vec<IslandRow>) -> Self {
-        let mut variables: Vec<u32> = rows.iter().flat_map(|row| row.terms.iter().map(|term| term.0)).collect();
+        let mut variables: Vec<u32> =
+            rows.iter().flat_map(|row| row.terms.iter().map(|term| term.0)).collect();
         variables.sort_unstable();
         variables.dedup();
         let mut island = Self { rows: Vec::with_capacity(rows.len()), low: vec![], high: vec![], variables };

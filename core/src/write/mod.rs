@@ -68,6 +68,21 @@ pub fn glb(asset: &Asset, finished: &Finished, watch: &dyn Watch) -> Result<Vec<
     draft.into_glb()
 }
 
+/// Vertices of the file that [`glb`] writes, over all primitives.
+pub fn vertex_count(asset: &Asset, finished: &Finished) -> u64 {
+    let converted = |mesh: usize, primitive: usize| {
+        finished.primitives.iter().find(|piece| (piece.mesh, piece.primitive) == (mesh, primitive))
+    };
+    let all = asset.meshes.iter().enumerate().flat_map(|(mesh, source)| {
+        (source.primitives.iter().enumerate()).map(move |(primitive, source)| (mesh, primitive, source))
+    });
+    all.map(|(mesh, primitive, source)| match converted(mesh, primitive) {
+        Some(piece) => vertices::Corners::distinct(piece).corners.len() as u64,
+        None => source.positions.len() as u64,
+    })
+    .sum()
+}
+
 /// What a converted file cannot keep of its source, as warnings for the report.
 pub fn losses(asset: &Asset, finished: &Finished) -> Vec<Warning> {
     primitives::losses(asset, finished)

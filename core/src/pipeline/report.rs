@@ -1,0 +1,197 @@
+//! The report of one conversion: what `measure` found, and what was done and why.
+
+use crate::asset::Asset;
+use crate::error::{Error, Result};
+use crate::finished::Finished;
+use crate::layout::BlockKind;
+use crate::measure::{
+    self, Effect, EffectState, Extras, Growth, LayoutReport, Measured, Report, SubjectKind, judge,
+};
+use crate::write;
+
+use super::ENGINE_VERSION;
+use super::material::MaterialConversion;
+use super::options::{Options, Solver};
+
+/// A conversion before its report.
+pub struct Converted<'a> {
+    pub asset: &'a Asset,
+    pub finished: &'a Finished,
+    pub materials: &'a [MaterialConversion],
+}
+
+/// What only the conversion knows and the measures pass on.
+pub fn extras(materials: &[MaterialConversion]) -> Extras {
+    let counts = |conversion: &MaterialConversion| {
+        // All channels share the layout; the one with most cuts has most samples.
+        let levels = 0..conversion.layout.level_count();
+        let most = levels.map(|level| {
+            conversion.channels.iter().map(|channel| channel.sample_counts[level]).max().unwrap_or(0)
+        });
+        (conversion.material, most.collect())
+    };
+    Extras {
+        sample_counts: materials.iter().map(counts).collect(),
+        solver: materials.iter().flat_map(|m| &m.channels).map(|channel| channel.solver.clone()).collect(),
+    }
+}
+
+pub fn of_conversion(
+    converted: &Converted<'_>,
+    measured: Measured,
+    options: &Options,
+    converted_bytes: u64,
+) -> Report {
+    let Converted { asset, finished, materials } = *converted;
+    let mut report = of_check(asset, SubjectKind::Converted, Some(finished), measured, options);
+    report.growth.converted_bytes = converted_bytes;
+    report.growth.converted_vertices = write::vertex_count(asset, finished);
+    report.warnings.extend(write::losses(asset, finished));
+    for layout in &mut report.layouts {
+        if let Some(conversion) = materials.iter().find(|m| m.material == layout.material) {
+            describe_layout(layout, conversion);
+        }
+    }
+    report.effects = effects(materials, options);
+    report
+}
+
+/// A report of what measuring alone tells.
+pub fn of_check(
+    asset: &Asset,
+    kind: SubjectKind,
+    finished: Option<&Finished>,
+    measured: Measured,
+    options: &Options,
+) -> Report {
+    let judgement = judge(kind, &measured.channels);
+    let mut warnings = asset.warnings.clone();
+    warnings.extend(judgement.warnings);
+    let mut growth = finished.map_or_else(Growth::default, |finished| measure::growth(asset, finished));
+    growth.source_bytes = source_bytes(asset);
+    Report {
+        kind,
+        engine_version: ENGINE_VERSION.to_owned(),
+        verdict: judgement.verdict,
+        errors: judgement.errors,
+        warnings,
+        max_seam_delta_codes: judgement.max_seam_delta_codes,
+        options: options.to_json(),
+        channels: measured.channels,
+        layouts: measured.layouts,
+        growth,
+        effects: Vec::new(),
+    }
+}
+
+/// Buffers, and images that stand outside of them.
+fn source_bytes(asset: &Asset) -> u64 {
+    let document = &asset.document;
+    let buffers: usize = document.buffers.iter().map(Vec::len).sum();
+    let images = document.json.get("images").and_then(|images| images.as_array());
+    let stands_inside = |number: usize| {
+        images.and_then(|images| images.get(number)).is_some_and(|image| image.get("bufferView").is_some())
+    };
+    let outside = document.encoded_images.iter().enumerate().filter(|(number, _)| !stands_inside(*number));
+    (buffers + outside.map(|(_, image)| image.bytes.len()).sum::<usize>()) as u64
+}
+
+fn describe_layout(report: &mut LayoutReport, conversion: &MaterialConversion) {
+    let kinds = || conversion.layout.blocks.iter().map(|block| block.kind);
+    report.quad_count = kinds().filter(|kind| matches!(kind, BlockKind::Quad(_))).count() as u64;
+    report.merged_pair_count = kinds().filter(|kind| matches!(kind, BlockKind::Merged(_))).count() as u64;
+    report.lone_triangle_count = kinds()
+        .map(|kind| match kind {
+            BlockKind::Lone(_) => 1,
+            BlockKind::Twins(_) => 2,
+            BlockKind::Quad(_) | BlockKind::Merged(_) => 0,
+        })
+        .sum();
+    report.face_count = conversion.canvas.faces.len() as u64;
+    report.exponents = vec![0; usize::from(conversion.resolutions.max()) + 1];
+    for &exponent in &conversion.resolutions.faces {
+        report.exponents[usize::from(exponent)] += 1;
+    }
+}
+
+/// What was done and what the asset did not call for.
+fn effects(materials: &[MaterialConversion], options: &Options) -> Vec<Effect> {
+    let channels = || materials.iter().flat_map(|conversion| &conversion.channels);
+    let effect = |name: &str, run: Option<String>, reason: &str| Effect {
+        name: name.to_owned(),
+        state: if run.is_some() { EffectState::Run } else { EffectState::Skipped },
+        detail: run.unwrap_or_else(|| reason.to_owned()),
+    };
+    let some = |count: usize, text: String| (count > 0).then_some(text);
+    let cut_edges: usize =
+        channels().map(|channel| channel.cuts.edges.iter().filter(|cut| **cut).count()).sum();
+    let kinds = || materials.iter().flat_map(|conversion| &conversion.layout.blocks).map(|block| block.kind);
+    let merged = kinds().filter(|kind| matches!(kind, BlockKind::Merged(_))).count();
+    let lone = kinds().filter(|kind| matches!(kind, BlockKind::Lone(_) | BlockKind::Twins(_))).count();
+    let beyond: usize = materials
+        .iter()
+        .map(|conversion| {
+            let max = conversion.resolutions.max();
+            conversion.resolutions.faces.iter().filter(|&&exponent| exponent < max).count()
+        })
+        .sum();
+    let normals = materials.iter().filter(|conversion| conversion.frames.is_some()).count();
+    let alpha = channels().filter(|channel| channel.is_alpha_weighted).count();
+    let masks = channels().filter(|channel| channel.keeps_coverage).count();
+    let solved: usize = channels().map(|channel| channel.solver.len()).sum();
+    let level_total: usize = channels().map(|channel| channel.sample_counts.len()).sum();
+    let solve = match options.solver {
+        Solver::Global => {
+            format!("{solved} of {level_total} channel levels had texels out of range and were solved")
+        }
+        Solver::Clamp => {
+            format!("{solved} of {level_total} channel levels had texels out of range; clamped, not solved")
+        }
+    };
+    vec![
+        effect(
+            "cuts",
+            some(cut_edges, format!("{cut_edges} edges keep their two sides, over all channels")),
+            "no edge shows two values in the source",
+        ),
+        effect(
+            "merged_pairs",
+            some(merged, format!("{merged} pairs of triangles share a block")),
+            "no two triangles could share a block",
+        ),
+        effect(
+            "border_texels",
+            some(lone, format!("{lone} blocks of lone triangles have border lines")),
+            "no triangle stands alone",
+        ),
+        effect(
+            "beyond_vertex_colors",
+            some(beyond, format!("{beyond} faces are beyond vertex colors at the last level")),
+            "all faces reach vertex colors at the same level",
+        ),
+        effect("representability", some(solved, solve), "no texel was out of range"),
+        effect(
+            "normal_encoding",
+            some(normals, format!("{normals} materials store normals in frames of their own")),
+            "no normal map",
+        ),
+        effect(
+            "alpha_weighting",
+            some(alpha, format!("{alpha} channels weigh color by alpha")),
+            "no material shows its alpha",
+        ),
+        effect(
+            "alpha_coverage",
+            some(masks, format!("{masks} masked channels keep the share of surface that passes the cutoff")),
+            "no masked material",
+        ),
+    ]
+}
+
+/// `report.json`: indented, for people too.
+pub fn to_bytes(report: &Report) -> Result<Vec<u8>> {
+    let mut bytes =
+        serde_json::to_vec_pretty(report).map_err(|error| Error::internal(format!("report: {error}")))?;
+    bytes.push(b'\n');
+    Ok(bytes)
+}
