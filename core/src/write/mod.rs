@@ -95,7 +95,7 @@ fn converted_primitives<'a>(
     finished: &'a Finished,
 ) -> Result<BTreeMap<(usize, usize), &'a FinishedPrimitive>> {
     let mut converted = BTreeMap::new();
-    for piece in finished.primitives.iter().filter(|piece| !piece.triangles.is_empty()) {
+    for piece in &finished.primitives {
         let place = format!("/meshes/{}/primitives/{}", piece.mesh, piece.primitive);
         let source = asset
             .meshes
@@ -110,7 +110,9 @@ fn converted_primitives<'a>(
         if !piece.frames.is_empty() && piece.frames.len() != piece.triangles.len() {
             return Err(Error::internal("frames and triangles differ in number").at(place));
         }
-        converted.insert((piece.mesh, piece.primitive), piece);
+        if !piece.triangles.is_empty() {
+            converted.insert((piece.mesh, piece.primitive), piece);
+        }
     }
     Ok(converted)
 }
