@@ -10,12 +10,16 @@ use crate::image::{Image, Wrap};
 /// Guarantees (by construction in `read`; tested there):
 /// * every index (image, material, vertex, node) is in range;
 /// * every position, normal, tangent and texture coordinate is finite; normals and tangents have unit
-///   length (a zero normal was replaced by its face's); texture coordinates lie within ±1e6;
+///   length (a zero normal was replaced by its face's); texture coordinates lie within ±1e6, positions
+///   within ±1e9, components of texture transforms within ±1e6;
 /// * every attribute of a primitive has as many elements as `positions`;
 /// * faces have 3 or 4 corners; polygons with more were cut into triangles, strips and fans unrolled,
 ///   with the winding of the source; degenerate faces are kept (and warned of);
 /// * `instances` come from an acyclic node graph, and their transforms are finite;
-/// * images are decoded once each, within the limits asked for.
+/// * images are decoded once each, within the limits asked for: `images[i]` is image `i` of the document.
+///   Decoded are the images that a slot of a material reads, and the levels of a converted texture; any
+///   other image is one black texel here (its file is in `Document::encoded_images`). Where several
+///   images of the document are the same file, `TextureRef::image` is the first of them.
 #[derive(Clone, Debug, Default)]
 pub struct Asset {
     pub document: Document,

@@ -1,0 +1,29 @@
+//! Which required extensions are understood; any other is refused by name.
+
+use super::super::json::At;
+use super::super::text::quoted;
+use crate::error::{Error, ErrorCode, Result};
+
+const UNDERSTOOD: [&str; 3] = ["KHR_texture_transform", "KHR_lights_punctual", "MCT_mesh_color_texture"];
+
+/// Extensions that only add to a material pass through unchanged.
+const UNDERSTOOD_PREFIX: &str = "KHR_materials_";
+
+pub(super) fn check_required(root: &At) -> Result<()> {
+    for (index, value) in root.list("extensionsRequired")?.iter().enumerate() {
+        let pointer = format!("/extensionsRequired/{index}");
+        let Some(name) = value.as_str() else {
+            return Err(Error::invalid("must be a string").at(pointer));
+        };
+        if !UNDERSTOOD.contains(&name) && !name.starts_with(UNDERSTOOD_PREFIX) {
+            let detail = format!(
+                "the asset requires the extension {}, which is not understood; understood are {} and \
+                 {UNDERSTOOD_PREFIX}*: export without it",
+                quoted(name),
+                UNDERSTOOD.join(", ")
+            );
+            return Err(Error::new(ErrorCode::UnsupportedExtension, detail).at(pointer));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,57 @@
+//! A glTF document with its resources to an asset.
+//!
+//! The order is that of trust: extensions and references first, then buffers, then what is made of them.
+
+mod accessors;
+mod buffers;
+mod extensions;
+mod faces;
+mod materials;
+mod primitives;
+mod references;
+mod scene;
+mod typed;
+mod views;
+
+use serde_json::Value;
+
+use super::Context;
+use super::images;
+use super::json::{At, check_version};
+use crate::asset::{Asset, Document};
+use crate::error::Result;
+use crate::watch;
+
+/// `bin` is the binary chunk of a GLB.
+pub(super) fn read(json: Value, bin: Option<&[u8]>, context: &mut Context) -> Result<Asset> {
+    let root = At::root(&json);
+    if !json.is_object() {
+        return Err(root.error("the document must be an object"));
+    }
+    check_version(&root)?;
+    extensions::check_required(&root)?;
+    references::check(&root)?;
+    watch::check(context.watch)?;
+
+    let buffers = buffers::load(&root, bin, context)?;
+    let store = accessors::Store::new(&root, &buffers, &mut context.warnings)?;
+    let encoded_images = buffers::load_images(&root, &store, context)?;
+    let mut materials = materials::read(&root, &mut context.warnings)?;
+    let instances = scene::read(&root, context.budget.limits)?;
+    let meshes = primitives::read(&root, &store, context)?;
+
+    let wanted = materials::wanted_images(&root, &materials, encoded_images.len());
+    let decoded = images::decode_all(&encoded_images, &wanted, |index| format!("/images/{index}"), context)?;
+    for reference in materials.iter_mut().flat_map(|material| &mut material.slots).flatten() {
+        reference.image = decoded.canonical[reference.image];
+    }
+    drop(root);
+    Ok(Asset {
+        images: decoded.images,
+        materials,
+        meshes,
+        instances,
+        document: Document { json, buffers, encoded_images },
+        warnings: Vec::new(),
+    })
+}
