@@ -86,7 +86,7 @@ struct Tally {
 impl Tally {
     fn add(&mut self, jumps: &[f32; SAMPLES], length: f32) {
         for &jump in jumps {
-            let bin = (jump * BINS_PER_UNIT).round() as usize;
+            let bin = (jump * BINS_PER_UNIT + 0.5) as usize;
             if bin >= self.bins.len() {
                 self.bins.resize(bin + 1, 0);
             }

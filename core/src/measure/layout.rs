@@ -154,9 +154,10 @@ impl Mask {
         let row = row.clamp(0, self.height as i64 - 1) as usize;
         let [from, to] = [from, to].map(|x| x.clamp(0.0, (self.width - 1) as f64) as usize);
         let words = &mut self.words[row * self.words_per_row..][..self.words_per_row];
-        for word in from / 64..=to / 64 {
-            let (start, end) = (from.max(word * 64) - word * 64, to.min(word * 64 + 63) - word * 64);
-            words[word] |= (u64::MAX >> (63 - end)) & (u64::MAX << start);
+        for (number, word) in words.iter_mut().enumerate().take(to / 64 + 1).skip(from / 64) {
+            let first = number * 64;
+            let (start, end) = (from.max(first) - first, to.min(first + 63) - first);
+            *word |= (u64::MAX >> (63 - end)) & (u64::MAX << start);
         }
     }
 }

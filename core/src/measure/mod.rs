@@ -27,3 +27,4 @@ pub use focus::Focus;
 pub use report::*;
 pub use subject::{Extras, Measured, converted, converted_file, growth, source};
 pub use verdict::{Judgement, judge};
+pub use yardstick::Extent;

@@ -28,6 +28,8 @@ pub struct Extras {
     pub sample_counts: Vec<(usize, Vec<u64>)>,
     /// By finished texture; may be shorter.
     pub solver: Vec<Vec<SolverReport>>,
+    /// What area the yardstick spreads its texels over.
+    pub yardstick: Extent,
 }
 
 /// What measuring ends in.
@@ -120,7 +122,7 @@ impl Subject<'_> {
         channel.cuts = seams::cut_share(surface, seam, &cut_flags);
         channel.levels = self.levels(&converted, source.as_ref(), &cut_flags)?;
         channel.fidelity =
-            origin.as_ref().and_then(|origin| fidelity(origin, &converted, points, Extent::default()));
+            origin.as_ref().and_then(|origin| fidelity(origin, &converted, points, self.extras.yardstick));
         channel.solver = self.extras.solver.get(number).cloned().unwrap_or_default();
         let candidate = source.as_ref().and_then(|source| {
             let kind = (channel.unit, texture.slots.contains(&Slot::BaseColor));

@@ -110,42 +110,43 @@ impl<'a> Texels<'a> {
         }
     }
 
+    #[inline]
     fn mixed<T: Copy + Into<usize>, const N: usize>(&self, codes: &[T], at: Vec2) -> [f32; N] {
-        let corner = Vec2::new(bounded(at.x), bounded(at.y)) - 0.5;
-        let floor = corner.floor();
-        let part = corner - floor;
-        let (x, y) = (floor.x as i64, floor.y as i64);
         let [width, height] = self.image.size();
-        let columns = [wrapped(self.wrap.s, x, width), wrapped(self.wrap.s, x + 1, width)];
-        let rows = [wrapped(self.wrap.t, y, height), wrapped(self.wrap.t, y + 1, height)];
-        let texel = |column: usize, row: usize| -> [f32; N] {
-            let start = (rows[row] * width as usize + columns[column]) * N;
-            let stored = &codes[start..start + N];
-            std::array::from_fn(|i| {
-                let alpha = (N == 2 || N == 4) && i == N - 1;
-                let table = if alpha { self.plain } else { self.color };
-                table[stored[i].into()]
-            })
-        };
-        let (a, b, c, d) = (texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1));
+        let (columns, x) = neighbors(at.x, self.wrap.s, width);
+        let (rows, y) = neighbors(at.y, self.wrap.t, height);
+        let rows = rows.map(|row| row * width as usize);
+        let start = |row: usize, column: usize| (row + column) * N;
+        let [a, b] = columns.map(|column| &codes[start(rows[0], column)..][..N]);
+        let [c, d] = columns.map(|column| &codes[start(rows[1], column)..][..N]);
         std::array::from_fn(|i| {
-            let top = a[i] + (b[i] - a[i]) * part.x;
-            let bottom = c[i] + (d[i] - c[i]) * part.x;
-            top + (bottom - top) * part.y
+            let is_alpha = (N == 2 || N == 4) && i == N - 1;
+            let table = if is_alpha { self.plain } else { self.color };
+            let [a, b, c, d] = [a[i], b[i], c[i], d[i]].map(|code| table[code.into()]);
+            let top = a + (b - a) * x;
+            let bottom = c + (d - c) * x;
+            top + (bottom - top) * y
         })
     }
 }
 
-/// Places that still have a texel number; a place that is no number reads as far out.
-fn bounded(place_texels: f32) -> f32 {
-    const FAR_TEXELS: f32 = 1e12;
-    // In this order NaN becomes a number.
-    place_texels.max(-FAR_TEXELS).min(FAR_TEXELS)
-}
-
-/// Most fetches fall inside, and the remainder of wide integers is slow.
-fn wrapped(mode: WrapMode, at: i64, size: u32) -> usize {
-    if (0..i64::from(size)).contains(&at) { at as usize } else { mode.apply(at, size) as usize }
+/// The two texels along one axis that a place lies between, and the second one's weight.
+#[inline]
+fn neighbors(place_texels: f32, mode: WrapMode, size: u32) -> ([usize; 2], f32) {
+    // Places that still have a texel number.
+    const FAR_TEXELS: f32 = 1e9;
+    #[expect(clippy::manual_clamp, reason = "clamp keeps NaN; in this order it becomes a number")]
+    let from_center = place_texels.max(-FAR_TEXELS).min(FAR_TEXELS) - 0.5;
+    // The floor, without a call where the processor's own is not to be counted on.
+    let toward_zero = from_center as i32;
+    let first = if toward_zero as f32 > from_center { toward_zero - 1 } else { toward_zero };
+    let part = from_center - first as f32;
+    // Most fetches fall inside, and the remainder of wide integers is slow.
+    if first >= 0 && i64::from(first) + 1 < i64::from(size) {
+        return ([first as usize, first as usize + 1], part);
+    }
+    let wrapped = |at: i64| mode.apply(at, size) as usize;
+    ([wrapped(i64::from(first)), wrapped(i64::from(first) + 1)], part)
 }
 
 /// The components that an image of this many stores, of red, green, blue, alpha.

@@ -28,7 +28,7 @@ pub enum Extent {
 }
 
 impl Extent {
-    pub fn area_texels(self, origin: &Origin<'_>, surface: &Surface<'_>) -> f64 {
+    pub(super) fn area_texels(self, origin: &Origin<'_>, surface: &Surface<'_>) -> f64 {
         let image = origin.image.texel_count() as f64;
         match self {
             Extent::Image => image,

@@ -180,6 +180,7 @@ fn extras_are_copied_and_counted() {
     let extras = Extras {
         sample_counts: vec![(0, vec![25, 9, 4])],
         solver: vec![vec![SolverReport { level: 1, row_count: 7, ..SolverReport::default() }]],
+        ..Extras::default()
     };
     let result = converted(&asset, &finished(Slot::Occlusion, ramp), &extras, &Unwatched).unwrap();
     assert_eq!(result.channels[0].solver[0].row_count, 7);
