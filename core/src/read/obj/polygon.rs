@@ -155,3 +155,6 @@ impl Clipper {
         true
     }
 }
+
+#[cfg(test)]
+mod tests;
