@@ -131,6 +131,40 @@ fn large_images_are_refused_by_their_header() {
 }
 
 #[test]
+fn jpegs_of_endless_scans_are_refused() {
+    let picture = image::GrayImage::new(8, 8);
+    let mut bytes = encode(picture.into(), image::ImageFormat::Jpeg);
+    let scan = bytes.windows(2).position(|pair| pair == [0xFF, 0xDA]).unwrap();
+    let scan = bytes[scan..bytes.len() - 2].to_vec();
+    let end = bytes.split_off(bytes.len() - 2);
+    for _ in 0..100 {
+        bytes.extend_from_slice(&scan);
+    }
+    bytes.extend(end);
+    let error = Gltf::textured(&bytes).refused(ErrorCode::InvalidModel, "/images/0");
+    assert!(error.detail.contains("scans"), "{error}");
+}
+
+/// A color profile and a text of 64 MB of zeros each, which take 64 KB of the file.
+#[test]
+fn profiles_and_texts_are_not_unpacked_without_bound() {
+    let zeros = vec![0; 64 << 20];
+    let mut info = png::Info::with_size(1, 1);
+    info.icc_profile = Some(zeros.clone().into());
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::with_info(&mut bytes, info).unwrap();
+    encoder.add_ztxt_chunk("Comment".to_owned(), String::from_utf8(zeros).unwrap()).unwrap();
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&[5]).unwrap();
+    writer.finish().unwrap();
+    assert!(bytes.len() < 1 << 20);
+    match first_image(&bytes) {
+        Ok(image) => assert_eq!(image.pixels, Pixels::U8(vec![5])),
+        Err(error) => assert_eq!(error.pointer.as_deref(), Some("/images/0")),
+    }
+}
+
+#[test]
 fn pixels_are_counted_over_all_decoded_images() {
     let mut gltf = Gltf::textured(&png(10, 10));
     let view = gltf.view(&png(10, 11));

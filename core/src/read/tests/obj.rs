@@ -63,13 +63,10 @@ fn objects_are_meshes_and_materials_are_primitives() {
          o first\nusemtl red\nf 1 3 4\ng group\ns off\n"
     );
     let asset = read_files(&[("folder/scene.obj", text.as_bytes())]).unwrap();
-    let shape: Vec<(&str, Vec<(Option<usize>, usize)>)> = asset
-        .meshes
-        .iter()
-        .map(|mesh| {
-            (mesh.name.as_str(), mesh.primitives.iter().map(|p| (p.material, p.faces.len())).collect())
-        })
-        .collect();
+    let primitives = |mesh: &crate::asset::Mesh| -> Vec<_> {
+        mesh.primitives.iter().map(|p| (p.material, p.faces.len())).collect()
+    };
+    let shape: Vec<_> = asset.meshes.iter().map(|mesh| (mesh.name.as_str(), primitives(mesh))).collect();
     let expected = [
         ("scene", vec![(None, 1)]),
         ("first", vec![(Some(0), 2), (Some(1), 2)]),
