@@ -26,8 +26,7 @@ pub(super) fn check_finite(
     place: impl Fn(usize) -> String,
 ) -> Result<()> {
     for (at, value) in values.enumerate() {
-        // Written so that NaN is refused.
-        if !(value.abs() <= max) {
+        if value.is_nan() || value.abs() > max {
             let element = at / width;
             let detail =
                 format!("{}: the value {value} is not allowed: finite, within ±{max:e}", place(element));

@@ -4,6 +4,10 @@
 
 use crate::error::{Error, ErrorCode, Result};
 
+/// Scans of a progressive JPEG. Encoders write about ten; each costs a pass over the whole picture, so a
+/// short file of many would take hours.
+const SCANS_MAX: usize = 100;
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
     Png,
@@ -64,6 +68,7 @@ fn png(bytes: &[u8]) -> Option<Header> {
 /// Walks the marker segments (ITU T.81, annex B). `None` where the file ends too early.
 fn jpeg(bytes: &[u8]) -> Result<Option<Header>> {
     let mut header = None;
+    let mut scan_count = 0;
     let mut at = 2;
     loop {
         // Any number of fill bytes may stand before a marker.
@@ -98,6 +103,10 @@ fn jpeg(bytes: &[u8]) -> Result<Option<Header>> {
         }
         at += length.max(2);
         if marker == 0xDA {
+            scan_count += 1;
+            if scan_count > SCANS_MAX {
+                return Err(Error::invalid(format!("the JPEG has more than {SCANS_MAX} scans")));
+            }
             at += scan_length(&bytes[at..]);
         }
     }

@@ -10,9 +10,9 @@ use crate::error::{Error, ErrorCode, Result};
 /// The parser refuses deeper nesting by itself; this keeps its stack out of reach of any setting.
 const PARSER_DEPTH: u32 = 127;
 
-/// A value in memory takes some 70 bytes, however short its text; so many bytes of text are allowed for
-/// each on average. glTF needs more than ten.
-const BYTES_PER_VALUE: u64 = 4;
+/// A value in memory takes some 70 bytes, however short its text; of the bytes allowed, so many go to
+/// each value. glTF writes more than ten.
+const BYTES_PER_VALUE: u64 = 8;
 
 pub(super) fn parse(bytes: &[u8], limits: &Limits) -> Result<Value> {
     let text = without_bom(bytes);

@@ -85,21 +85,21 @@ impl<'a> Store<'a> {
         let element = accessor.element_bytes();
         let total = accessor.count.saturating_mul(element);
         budget.take_bytes(total as u64, &accessor.pointer)?;
-        let mut packed = match accessor.view {
-            None => vec![0; total],
+        let mut packed = Vec::with_capacity(total);
+        match accessor.view {
+            None => packed.resize(total, 0),
             Some(view) => {
                 let bytes = &self.view_bytes(view)[accessor.offset..];
                 match view.stride {
-                    Some(stride) if stride != element => bytes
-                        .chunks(stride)
-                        .take(accessor.count)
-                        .flat_map(|e| &e[..element])
-                        .copied()
-                        .collect(),
-                    _ => bytes[..total].to_vec(),
+                    Some(stride) if stride != element => {
+                        for strided in bytes.chunks(stride).take(accessor.count) {
+                            packed.extend_from_slice(&strided[..element]);
+                        }
+                    }
+                    _ => packed.extend_from_slice(&bytes[..total]),
                 }
             }
-        };
+        }
         if let Some(sparse) = accessor.sparse {
             self.replace(accessor, sparse, &mut packed)?;
         }

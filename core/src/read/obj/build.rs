@@ -13,8 +13,9 @@ use crate::asset::{Attribute, Face, Mesh, Primitive};
 use crate::error::{Error, Result};
 use crate::watch;
 
-/// Faces between two looks at the watch.
+/// Faces between two looks at the watch, and corners of a face that is worth one of its own.
 const WATCH_FACES: usize = 1 << 14;
+const WATCH_CORNERS: usize = 64;
 
 /// A primitive that is being filled.
 struct Builder {
@@ -29,7 +30,7 @@ pub(super) fn meshes(parsed: &Parsed, unnamed: &str, file: &str, context: &mut C
     let mut builders: Vec<Builder> = Vec::new();
     let mut numbers: HashMap<(usize, u32), usize> = HashMap::new();
     for (count, polygon) in parsed.polygons.iter().enumerate() {
-        if count % WATCH_FACES == 0 {
+        if count % WATCH_FACES == 0 || polygon.count > WATCH_CORNERS {
             watch::check(context.watch)?;
         }
         let number = *numbers.entry((polygon.object, polygon.material)).or_insert_with(|| {

@@ -9,6 +9,9 @@ use glam::{DVec2, DVec3};
 /// Point-in-triangle tests allowed for each corner: enough for any polygon of a thousand corners.
 const TESTS_PER_CORNER: u64 = 1024;
 
+/// And at most so many for one polygon, which is less than a second's work.
+const TESTS_MAX: u64 = 1 << 28;
+
 /// Triangles of the polygon as corner numbers, `points.len() - 2` of them, turning as the polygon does.
 pub(super) struct Cut {
     pub triangles: Vec<[usize; 3]>,
@@ -60,7 +63,7 @@ impl Clipper {
             next: (0..count).map(|i| (i + 1) % count).collect(),
             reflex: Vec::new(),
             reflex_place: vec![None; count],
-            tests_left: TESTS_PER_CORNER * count as u64,
+            tests_left: (TESTS_PER_CORNER * count as u64).min(TESTS_MAX),
             triangles: Vec::with_capacity(count - 2),
             points,
         };
@@ -155,3 +158,6 @@ impl Clipper {
         true
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -53,9 +53,12 @@ fn with_map(name: &str) -> Result<Asset> {
     ])
 }
 
+/// Reads a model that names a file in one place.
+type Place = fn(&str) -> Result<Asset>;
+
 #[test]
 fn unsafe_and_external_uris_are_refused_everywhere() {
-    let places: [(fn(&str) -> Result<Asset>, &str); 4] = [
+    let places: [(Place, &str); 4] = [
         (with_buffer, "/buffers/0/uri"),
         (with_image, "/images/0/uri"),
         (with_library, "model:1"),
