@@ -1,0 +1,87 @@
+//! Arguments that several commands share: the conversion's options, straight from `OPTIONS`, and how
+//! much of the machine to use.
+
+use clap::error::ErrorKind;
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use meshcolor::pipeline::{OPTIONS, Options};
+
+use crate::settings::variable;
+use crate::work::processor_count;
+
+/// The conversion's options as flags.
+#[derive(Clone, Debug)]
+pub struct ConversionFlags(pub Options);
+
+impl Args for ConversionFlags {
+    fn augment_args(command: Command) -> Command {
+        command.args(OPTIONS.iter().map(|spec| {
+            Arg::new(spec.name)
+                .long(spec.name)
+                .env(variable(spec.name))
+                .value_name(spec.value_name)
+                .default_value(spec.default)
+                .help(format!("{} [allowed: {}]", spec.doc, spec.allowed))
+                .help_heading("Conversion")
+        }))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for ConversionFlags {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut options = Options::default();
+        for spec in OPTIONS {
+            if let Some(value) = matches.get_one::<String>(spec.name) {
+                options.set(spec.name, value).map_err(|error| {
+                    clap::Error::raw(ErrorKind::InvalidValue, format!("{}\n", error.detail))
+                })?;
+            }
+        }
+        Ok(Self(options))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// How much of the machine to use, and how much to say.
+#[derive(Clone, Debug, clap::Args)]
+pub struct RunFlags {
+    /// Threads that convert; the result does not depend on them
+    #[arg(long, env = "MESHCOLOR_THREADS", value_name = "COUNT", default_value_t = processor_count(), value_parser = thread_count)]
+    pub threads: usize,
+    /// Say nothing but errors
+    #[arg(long, env = "MESHCOLOR_QUIET")]
+    pub quiet: bool,
+}
+
+/// More threads than any machine has would only exhaust memory.
+const MOST_THREADS: usize = 1024;
+
+pub fn thread_count(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=MOST_THREADS).contains(count));
+    count.ok_or_else(|| format!("allowed: 1 to {MOST_THREADS}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn defaults_and_flags_reach_the_options() {
+        let read = |arguments: &[&str]| {
+            let command = ConversionFlags::augment_args(Command::new("x"));
+            let matches = command.get_matches_from(["x"].iter().chain(arguments));
+            ConversionFlags::from_arg_matches(&matches).map(|flags| flags.0)
+        };
+        assert_eq!(read(&[]).unwrap(), Options::default());
+        let options = read(&["--cut", "3", "--solver=clamp"]).unwrap();
+        assert_eq!(options.cut_codes, 3.0);
+        assert!(read(&["--cut", "many"]).unwrap_err().to_string().contains("0..=255"));
+    }
+}

@@ -1,0 +1,78 @@
+//! How a command ended, as its exit code, and how errors are said on standard error.
+
+use std::process::ExitCode;
+
+use meshcolor::ErrorCode;
+
+/// In rising order of weight: of many files the heaviest counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Outcome {
+    Fine,
+    /// Something at or above `--fail-on`.
+    Findings,
+    Usage,
+    /// The input breaks its format's rules or a limit.
+    Refused,
+    /// Disk, network, ourselves.
+    Failed,
+    /// A signal ended it; its number.
+    Signal(u8),
+}
+
+impl From<Outcome> for ExitCode {
+    fn from(outcome: Outcome) -> Self {
+        ExitCode::from(match outcome {
+            Outcome::Fine => 0,
+            Outcome::Findings => 1,
+            Outcome::Usage => 2,
+            Outcome::Refused => 3,
+            Outcome::Failed => 4,
+            Outcome::Signal(number) => 128 + number,
+        })
+    }
+}
+
+/// The caller asked for something that cannot be.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct UsageError(pub String);
+
+impl Outcome {
+    /// Says the error and returns what it means.
+    pub fn of_error(error: &anyhow::Error) -> Self {
+        eprintln!("meshcolor: {error:#}");
+        if error.is::<UsageError>() {
+            return Self::Usage;
+        }
+        error.downcast_ref::<meshcolor::Error>().map_or(Self::Failed, |error| Self::of_code(error.code))
+    }
+
+    pub fn of_code(code: ErrorCode) -> Self {
+        match code {
+            ErrorCode::Internal | ErrorCode::Canceled => Self::Failed,
+            ErrorCode::InvalidOptions => Self::Usage,
+            _ => Self::Refused,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_heaviest_counts() {
+        assert_eq!(Outcome::Findings.max(Outcome::Refused), Outcome::Refused);
+        assert_eq!(Outcome::Refused.max(Outcome::Failed), Outcome::Failed);
+        assert_eq!(Outcome::Fine.max(Outcome::Findings), Outcome::Findings);
+    }
+
+    #[test]
+    fn errors_keep_their_meaning_through_context() {
+        use anyhow::Context;
+        let error = Err::<(), _>(meshcolor::Error::invalid("x")).context("chair.glb").unwrap_err();
+        assert_eq!(Outcome::of_error(&error), Outcome::Refused);
+        assert_eq!(Outcome::of_error(&UsageError("x".into()).into()), Outcome::Usage);
+        assert_eq!(Outcome::of_error(&anyhow::anyhow!("x")), Outcome::Failed);
+    }
+}

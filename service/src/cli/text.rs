@@ -1,0 +1,179 @@
+//! A report for people: one table for each channel, a row for each level.
+
+use std::fmt::Write;
+
+use meshcolor::measure::{ChannelReport, Figures, LevelReport, Report, SubjectKind, Unit, Verdict};
+
+/// Characters of a model's own names that are shown.
+const SHOWN_NAME_CHARS: usize = 256;
+
+/// The report of one file.
+pub fn table(path: &str, report: &Report) -> String {
+    let mut out = String::new();
+    let kind = match report.kind {
+        SubjectKind::Source => "source",
+        SubjectKind::Converted => "converted",
+    };
+    let verdict = match report.verdict {
+        Verdict::Pass => "pass",
+        Verdict::Warn => "warn",
+        Verdict::Fail => "fail",
+    };
+    let _ = writeln!(
+        out,
+        "{}: {kind}, {verdict}, largest seam {:.3} codes",
+        plain(path),
+        report.max_seam_delta_codes
+    );
+    for error in &report.errors {
+        let _ = writeln!(out, "  error: {}", plain(error));
+    }
+    for warning in &report.warnings {
+        let _ = writeln!(
+            out,
+            "  warning: {} ({}, {})",
+            plain(&warning.detail),
+            plain(&warning.pointer),
+            warning.count
+        );
+    }
+    for channel in &report.channels {
+        describe_channel(&mut out, channel);
+    }
+    out
+}
+
+fn describe_channel(out: &mut String, channel: &ChannelReport) {
+    let unit = unit_name(channel.unit);
+    let _ = writeln!(
+        out,
+        "  {} / {} ({unit}): {:.1} % of inner edge length is seams, of that {:.1} % joined, {:.1} % cut",
+        plain(&channel.material_name),
+        plain(&channel.slots.join("+")),
+        channel.cuts.seam_share * 100.0,
+        channel.cuts.welded_share * 100.0,
+        channel.cuts.cut_share * 100.0,
+    );
+    let _ = writeln!(
+        out,
+        "    {:>5} {:>11} {:>9} {:>9} {:>9} {:>9}",
+        "level", "size", "max", "99.9 %", "mean", "drift"
+    );
+    for level in &channel.levels {
+        describe_level(out, level);
+    }
+}
+
+fn describe_level(out: &mut String, level: &LevelReport) {
+    let size = format!("{}x{}", level.size[0], level.size[1]);
+    let [max, p999, mean] = figures(level.seams.as_ref());
+    let drift = figure(level.drift);
+    let _ = writeln!(out, "    {:>5} {size:>11} {max:>9} {p999:>9} {mean:>9} {drift:>9}", level.level);
+    if let Some(source) = &level.source {
+        let size = format!("{}x{}", source.size[0], source.size[1]);
+        let [max, p999, mean] = figures(source.seams.as_ref());
+        let drift = figure(source.drift);
+        let _ = writeln!(out, "    {:>5} {size:>11} {max:>9} {p999:>9} {mean:>9} {drift:>9}  source", "");
+    }
+}
+
+/// Before and after: the largest seam of each channel's levels, source against converted.
+pub fn before_and_after(report: &Report) -> String {
+    let mut out = String::new();
+    for channel in &report.channels {
+        let name = plain(&format!("{} / {}", channel.material_name, channel.slots.join("+")));
+        let _ =
+            writeln!(out, "{name}, {} at {} seams", unit_name(channel.unit), channel.cuts.seam_edge_count);
+        let _ = writeln!(out, "  {:>5}  {:>21}  {:>21}", "", "seam, max (mean)", "drift");
+        let _ = writeln!(
+            out,
+            "  {:>5}  {:>10} {:>10}  {:>10} {:>10}",
+            "level", "source", "converted", "source", "converted"
+        );
+        for level in &channel.levels {
+            let source = level.source.as_ref();
+            let pair = |figures: Option<&Figures>| figures.map(|f| f.max);
+            let _ = writeln!(
+                out,
+                "  {:>5}  {:>10} {:>10}  {:>10} {:>10}",
+                level.level,
+                figure(pair(source.and_then(|source| source.seams.as_ref()))),
+                figure(pair(level.seams.as_ref())),
+                figure(source.and_then(|source| source.drift)),
+                figure(level.drift),
+            );
+        }
+    }
+    out
+}
+
+fn unit_name(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Codes => "codes",
+        Unit::Degrees => "degrees",
+    }
+}
+
+fn figures(figures: Option<&Figures>) -> [String; 3] {
+    [figures.map(|f| f.max), figures.map(|f| f.p999), figures.map(|f| f.mean)].map(figure)
+}
+
+fn figure(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| format!("{value:.3}"))
+}
+
+/// Text from a model without control characters, which could steer a terminal, and not without end.
+fn plain(text: &str) -> String {
+    text.chars().take(SHOWN_NAME_CHARS).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+#[cfg(test)]
+pub(super) fn sample_report() -> Report {
+    use meshcolor::measure::{CutShare, Growth, SourceLevel};
+    let seams = |max| Some(Figures { max, p999: max, mean: max / 2.0, sample_count: 9 });
+    Report {
+        kind: SubjectKind::Converted,
+        engine_version: "0".into(),
+        verdict: Verdict::Pass,
+        errors: vec![],
+        warnings: vec![],
+        max_seam_delta_codes: 0.5,
+        options: serde_json::Map::new(),
+        channels: vec![ChannelReport {
+            material: 0,
+            material_name: "wood\x1b[31m".into(),
+            slots: vec!["baseColorTexture".into()],
+            unit: Unit::Codes,
+            components: 3,
+            bits: 8,
+            cuts: CutShare { seam_edge_count: 12, ..CutShare::default() },
+            levels: vec![LevelReport {
+                level: 0,
+                size: [64, 32],
+                seams: seams(0.5),
+                drift: Some(0.25),
+                source: Some(SourceLevel { size: [128, 128], seams: seams(31.0), drift: None }),
+            }],
+            fidelity: None,
+            solver: vec![],
+        }],
+        layouts: vec![],
+        growth: Growth::default(),
+        effects: vec![],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_hold_the_figures_and_no_control_characters() {
+        let report = sample_report();
+        for text in [table("a\r\nb.glb", &report), before_and_after(&report)] {
+            assert!(text.contains("31.000") && text.contains("0.500"), "{text}");
+            assert!(!text.replace('\n', "").contains(char::is_control), "{text:?}");
+        }
+        assert!(table("x", &report).lines().any(|line| line.ends_with("source")));
+    }
+}
