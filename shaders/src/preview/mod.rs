@@ -4,6 +4,7 @@
 //! (`cpu`) with the same filters and the same light. `page` lays the pictures out.
 
 mod cpu;
+mod gpu;
 mod page;
 mod picture;
 mod scene;
@@ -15,6 +16,7 @@ mod words;
 use meshcolor::pipeline::{Conversion, Focus};
 
 use self::cpu::CpuRenderer;
+use self::gpu::{GpuRenderer, NoGpu};
 use self::page::{Page, Row};
 use self::picture::{Picture, Renderer};
 use self::scene::surface::Side;
@@ -22,7 +24,7 @@ use self::scene::views::{View, close_up, whole};
 use self::scene::{Scene, Shot};
 use self::words::{model_name, notes, row_words, subtitle};
 
-const CPU_LABEL: &str = "CPU renderer (no Vulkan adapter found; Debian: apt-get install mesa-vulkan-drivers)";
+const NO_ADAPTER: &str = "no Vulkan adapter found; Debian: apt-get install mesa-vulkan-drivers";
 
 /// A finished sheet.
 #[derive(Clone, Debug)]
@@ -61,8 +63,18 @@ pub fn sheet(conversion: &Conversion) -> Result<Sheet, PreviewError> {
 /// See [`PreviewError`].
 pub fn sheet_titled(conversion: &Conversion, title: &str) -> Result<Sheet, PreviewError> {
     let scene = Scene::new(&conversion.asset, &conversion.finished)?;
-    let mut renderer = CpuRenderer { label: CPU_LABEL.to_owned() };
-    compose(conversion, &scene, title, &mut renderer)
+    let reason = match GpuRenderer::open() {
+        Ok(mut gpu) => match compose(conversion, &scene, title, &mut gpu) {
+            // The sheet is a by-product: a driver's fault must not cost it, but the sheet says so.
+            Err(PreviewError::Device(reason)) => reason,
+            done => return done,
+        },
+        Err(NoGpu::NoAdapter) => NO_ADAPTER.to_owned(),
+        Err(NoGpu::Refused(reason)) => reason,
+    };
+    tracing::info!(reason, "the preview is drawn on the CPU");
+    let label = format!("CPU renderer ({reason})");
+    compose(conversion, &scene, title, &mut CpuRenderer { label })
 }
 
 fn compose(

@@ -107,13 +107,24 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The batches of one side as a camera sees them, blended ones last.
+    /// The batches of one side as a camera sees them, one for each surface, blended ones last.
     pub fn batches(&self, subject: Subject, camera: &Camera, side: Side, look: Look) -> Vec<Batch> {
-        let mut batches = Vec::new();
+        let mut merged: Vec<Batch> = Vec::new();
+        let mut numbers: BTreeMap<(Option<usize>, bool), usize> = BTreeMap::new();
         let mut add = |mesh: usize, to_world: DAffine3, keep| {
             let to_view = camera.to_view * to_world;
             for number in 0..self.asset.meshes[mesh].primitives.len() {
-                batches.extend(self.batch(mesh, number, Placed { to_view, keep }, side, look));
+                let Some((key, batch)) = self.batch(mesh, number, Placed { to_view, keep }, side, look)
+                else {
+                    continue;
+                };
+                match numbers.get(&key) {
+                    Some(known) => merged[*known].records.extend(batch.records),
+                    None => {
+                        numbers.insert(key, merged.len());
+                        merged.push(batch);
+                    }
+                }
             }
         };
         match subject {
@@ -124,11 +135,19 @@ impl<'a> Scene<'a> {
                 }
             }
         }
-        batches.sort_by_key(|batch: &Batch| batch.surface.alpha_mode == AlphaMode::Blend);
-        batches
+        merged.sort_by_key(|batch| batch.surface.alpha_mode == AlphaMode::Blend);
+        merged
     }
 
-    fn batch(&self, mesh: usize, number: usize, placed: Placed, side: Side, look: Look) -> Option<Batch> {
+    /// A batch with what it may be merged by: its material, and whether it is converted.
+    fn batch(
+        &self,
+        mesh: usize,
+        number: usize,
+        placed: Placed,
+        side: Side,
+        look: Look,
+    ) -> Option<((Option<usize>, bool), Batch)> {
         let primitive = &self.asset.meshes[mesh].primitives[number];
         let finished = match side {
             Side::Source => None,
@@ -138,7 +157,7 @@ impl<'a> Scene<'a> {
         let surface = surfaces.get(&primitive.material)?.reduced(look);
         let Placed { to_view, keep } = placed;
         let batch = batch(BatchInput { primitive, finished, surface, to_view, keep });
-        (batch.triangle_count() > 0).then_some(batch)
+        (batch.triangle_count() > 0).then_some(((primitive.material, finished.is_some()), batch))
     }
 
     pub fn asset(&self) -> &'a Asset {

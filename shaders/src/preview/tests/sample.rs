@@ -3,9 +3,11 @@
 //! of the place on the ball, so the converted form is seamless by construction and the source is not.
 
 use glam::{Affine3A, Mat2, Vec2, Vec3, Vec4};
-use meshcolor::asset::{Asset, Face, Instance, Material, Mesh, Primitive, Slot, TextureRef, UvTransform};
+use meshcolor::asset::{
+    AlphaMode, Asset, Face, Instance, Material, Mesh, Primitive, Slot, TextureRef, UvTransform,
+};
 use meshcolor::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame};
-use meshcolor::image::{Image, Pixels, Transfer, Wrap};
+use meshcolor::image::{Image, Pixels, Transfer, Wrap, WrapMode};
 use meshcolor::math::transfer::linear_to_srgb;
 use meshcolor::measure::{Growth, Report, SubjectKind, Verdict};
 use meshcolor::pipeline::{Conversion, Focus};
@@ -34,7 +36,7 @@ fn place(patch: usize, at: Vec2) -> Vec3 {
 /// Linear color, with waves shorter than `blur` faded out.
 fn color(p: Vec3, blur: f32) -> Vec3 {
     let wave = |direction: Vec3, pitch: f32| {
-        (p.dot(direction.normalize()) * pitch).sin() * (-(pitch * blur) * (pitch * blur) / 4.0).exp()
+        (p.dot(direction.normalize()) * pitch).sin() * (-(pitch * blur) * (pitch * blur)).exp()
     };
     let coarse = wave(Vec3::new(1.0, 0.7, -0.4), 5.0) + 0.7 * wave(Vec3::new(-0.3, 1.0, 0.8), 7.0);
     let fine = wave(Vec3::new(0.2, -0.9, 1.0), 31.0) + wave(Vec3::new(1.0, 0.1, 0.7), 43.0);
@@ -219,7 +221,7 @@ pub fn ball() -> Conversion {
     let (primitive, finished_primitive) = primitives();
     let asset = Asset {
         images: vec![
-            atlas(Transfer::Srgb, gray, |patch, at| color(place(patch, at), 0.004)),
+            atlas(Transfer::Srgb, gray, |patch, at| color(place(patch, at), 0.0)),
             atlas(Transfer::Linear, Vec3::new(0.5, 0.5, 1.0), normal_value),
         ],
         materials: vec![material()],
@@ -239,7 +241,8 @@ pub fn ball() -> Conversion {
         ..Asset::default()
     };
     let base = (0..=EXPONENT).map(|level| {
-        let blur = 0.008 * (1 << level) as f32;
+        // A box of 2^level texels of the atlas, as a Gaussian of the same spread.
+        let blur = if level == 0 { 0.0 } else { 0.0018 * (1 << level) as f32 };
         level_image(level, Transfer::Srgb, |patch, at| color(place(patch, at), blur))
     });
     let normal = (0..=EXPONENT).map(|level| level_image(level, Transfer::Linear, normal_value));
@@ -253,4 +256,47 @@ pub fn ball() -> Conversion {
         primitives: vec![finished_primitive],
     };
     Conversion { asset, finished, report: report(), files: vec![], focus: Some(focus()) }
+}
+
+/// Gives the ball all five slots, alpha, a second texture coordinate set, wrapping, a transform, 16-bit
+/// texels, two sides, and one primitive whose normals and tangents must be made up.
+pub fn enrich(conversion: &mut Conversion, alpha_mode: AlphaMode) {
+    let asset = &mut conversion.asset;
+    let side = 64;
+    let rough = (0..side * side).flat_map(|i| {
+        let (x, y) = (i % side, i / side);
+        [(x * 9 + y) as u8, (x * 3) as u8, (255 - y * 3) as u8]
+    });
+    let rough = Image { width: side, height: side, components: 3, pixels: Pixels::U8(rough.collect()) };
+    let glow: Vec<u16> = (0..32 * 16).flat_map(|i| [(i * 100) as u16, 65_535 - (i * 64) as u16]).collect();
+    let glow = Image { width: 32, height: 16, components: 2, pixels: Pixels::U16(glow) };
+    asset.images.extend([rough, glow]);
+    let wrap = Wrap { s: WrapMode::MirroredRepeat, t: WrapMode::ClampToEdge };
+    let transform = UvTransform { offset: Vec2::new(0.1, 0.2), rotation: 0.5, scale: Vec2::new(2.0, 1.5) };
+    let second = |image| Some(TextureRef { image, wrap, texcoord: 1, transform });
+    let material = &mut asset.materials[0];
+    material.slots[Slot::MetallicRoughness as usize] = second(2);
+    material.slots[Slot::Occlusion as usize] = second(2);
+    material.slots[Slot::Emissive as usize] = second(3);
+    material.emissive_factor = Vec3::new(0.1, 0.05, 0.02);
+    material.metallic_factor = 0.8;
+    material.roughness_factor = 0.9;
+    material.base_color_factor = Vec4::new(0.9, 1.0, 0.8, 0.7);
+    material.alpha_mode = alpha_mode;
+    material.double_sided = true;
+    let primitive = &mut asset.meshes[0].primitives[0];
+    let second_set = primitive.positions.iter().map(|p| Vec2::new(p.x + p.z, p.y) * 0.6).collect();
+    primitive.texcoords.push(second_set);
+    // The same ball once more, below, as plain geometry of a material without conversion.
+    let mut plain = primitive.clone();
+    plain.normals.clear();
+    plain.tangents.clear();
+    plain.material = Some(1);
+    for position in &mut plain.positions {
+        *position = *position * 0.4 + Vec3::new(0.0, -1.5, 0.0);
+    }
+    asset.meshes[0].primitives.push(plain);
+    let mut unconverted = asset.materials[0].clone();
+    unconverted.alpha_mode = AlphaMode::Opaque;
+    asset.materials.push(unconverted);
 }
