@@ -75,7 +75,7 @@ impl Canvas {
                     let dx = (x as f32 + part(step % STEPS) - tip[0]).abs();
                     let dy = y as f32 + part(step / STEPS) - tip[1];
                     let up = if down { -dy } else { dy };
-                    inside += i32::from(up >= 0.0 && up <= HEIGHT && dx <= HALF_WIDTH * up / HEIGHT);
+                    inside += i32::from((0.0..=HEIGHT).contains(&up) && dx <= HALF_WIDTH * up / HEIGHT);
                 }
                 self.blend(x, y, ink, inside as f32 / (STEPS * STEPS) as f32);
             }
