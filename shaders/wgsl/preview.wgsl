@@ -163,11 +163,11 @@ fn normalize_or(v: vec3f, otherwise: vec3f) -> vec3f {
 }
 
 const KEY_DIRECTION = vec3f(-0.485, 0.606, 0.631);
-const KEY_COLOR = vec3f(1.22, 1.16, 1.08);
+const KEY_COLOR = vec3f(0.94, 0.90, 0.84);
 const FILL_DIRECTION = vec3f(0.873, 0.087, 0.480);
-const FILL_COLOR = vec3f(0.20, 0.23, 0.28);
-const SKY_COLOR = vec3f(0.40, 0.42, 0.45);
-const GROUND_COLOR = vec3f(0.15, 0.14, 0.13);
+const FILL_COLOR = vec3f(0.16, 0.19, 0.23);
+const SKY_COLOR = vec3f(0.30, 0.32, 0.35);
+const GROUND_COLOR = vec3f(0.11, 0.105, 0.10);
 const SHOULDER = 0.8;
 
 struct Shaded {
@@ -195,7 +195,7 @@ fn ambient(shaded: Shaded) -> vec3f {
     let around = mix(GROUND_COLOR, SKY_COLOR, 0.5 + 0.5 * shaded.normal.y);
     let mirrored = 2.0 * dot(shaded.normal, shaded.eye) * shaded.normal - shaded.eye;
     let blur = 0.15 + 0.85 * shaded.roughness;
-    let reflected = mix(GROUND_COLOR, SKY_COLOR * 1.6, smoothstep(-blur, blur, mirrored.y));
+    let reflected = mix(GROUND_COLOR, SKY_COLOR * 2.0, smoothstep(-blur, blur, mirrored.y));
     let reflectance = mix(vec3f(0.04), shaded.base_color, shaded.metallic);
     let diffuse = shaded.base_color * (1.0 - 0.7 * shaded.metallic);
     return shaded.occlusion * (diffuse * around + reflectance * reflected);

@@ -17,11 +17,11 @@ use meshcolor::pipeline::{Conversion, Focus};
 
 use self::cpu::CpuRenderer;
 use self::gpu::{GpuRenderer, NoGpu};
-use self::page::{Page, Row};
+use self::page::{Arrows, Page, Row};
 use self::picture::{Picture, Renderer};
 use self::scene::surface::Side;
 use self::scene::views::{View, close_up, whole};
-use self::scene::{Scene, Shot};
+use self::scene::{Scene, Shot, Subject};
 use self::words::{model_name, notes, row_words, subtitle};
 
 const NO_ADAPTER: &str = "no Vulkan adapter found; Debian: apt-get install mesa-vulkan-drivers";
@@ -118,8 +118,12 @@ fn draw(
     let converted = pictures_of(Side::Converted)?;
     let rows = view.filters.iter().zip(sources.into_iter().zip(converted)).map(|(filter, pair)| {
         let (title, detail) = row_words(view, *filter, focus);
-        let has_seam = matches!(view.subject, scene::Subject::Mesh { .. });
-        Row { title, detail, source: pair.0, converted: pair.1, has_seam }
+        let arrows = match (view.subject, view.mark) {
+            (_, None) => Arrows::None,
+            (Subject::World, Some([x, y])) => Arrows::Place { x, y },
+            (Subject::Mesh { .. }, Some([x, _])) => Arrows::Line { x },
+        };
+        Row { title, detail, source: pair.0, converted: pair.1, arrows }
     });
     Ok(rows.collect())
 }

@@ -4,11 +4,11 @@
 use glam::{Vec2, Vec3};
 
 const KEY_DIRECTION: Vec3 = Vec3::new(-0.485, 0.606, 0.631);
-const KEY_COLOR: Vec3 = Vec3::new(1.22, 1.16, 1.08);
+const KEY_COLOR: Vec3 = Vec3::new(0.94, 0.90, 0.84);
 const FILL_DIRECTION: Vec3 = Vec3::new(0.873, 0.087, 0.480);
-const FILL_COLOR: Vec3 = Vec3::new(0.20, 0.23, 0.28);
-const SKY_COLOR: Vec3 = Vec3::new(0.40, 0.42, 0.45);
-const GROUND_COLOR: Vec3 = Vec3::new(0.15, 0.14, 0.13);
+const FILL_COLOR: Vec3 = Vec3::new(0.16, 0.19, 0.23);
+const SKY_COLOR: Vec3 = Vec3::new(0.30, 0.32, 0.35);
+const GROUND_COLOR: Vec3 = Vec3::new(0.11, 0.105, 0.10);
 /// Above this a soft shoulder keeps highlights from clipping.
 const SHOULDER: f32 = 0.8;
 
@@ -49,7 +49,7 @@ pub fn ambient(shaded: &Shaded) -> Vec3 {
     let around = GROUND_COLOR.lerp(SKY_COLOR, 0.5 + 0.5 * shaded.normal.y);
     let mirrored = 2.0 * shaded.normal.dot(shaded.eye) * shaded.normal - shaded.eye;
     let blur = 0.15 + 0.85 * shaded.roughness;
-    let reflected = GROUND_COLOR.lerp(SKY_COLOR * 1.6, smoothstep(-blur, blur, mirrored.y));
+    let reflected = GROUND_COLOR.lerp(SKY_COLOR * 2.0, smoothstep(-blur, blur, mirrored.y));
     let reflectance = Vec3::splat(0.04).lerp(shaded.base_color, shaded.metallic);
     let diffuse = shaded.base_color * (1.0 - 0.7 * shaded.metallic);
     shaded.occlusion * (diffuse * around + reflectance * reflected)

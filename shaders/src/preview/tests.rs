@@ -188,3 +188,31 @@ fn a_conversion_that_points_past_its_asset_is_refused() {
     let error = sheet(&conversion).expect_err("it is inconsistent");
     assert_eq!(error, PreviewError::Inconsistent("a vertex of converted primitive 0".to_owned()));
 }
+
+#[test]
+fn a_texture_over_the_adapters_limit_is_drawn_on_the_cpu() {
+    let mut conversion = sample::ball();
+    conversion.asset.images[0] = meshcolor::image::Image {
+        width: 40_000,
+        height: 1,
+        components: 1,
+        pixels: meshcolor::image::Pixels::U8(vec![90; 40_000]),
+    };
+    let drawn = sheet(&conversion).expect("it is drawn");
+    let is_refused = drawn.renderer.contains("over its limit") || drawn.renderer.contains(NO_ADAPTER);
+    assert!(is_refused && drawn.renderer.starts_with("CPU renderer ("), "{}", drawn.renderer);
+}
+
+#[test]
+fn a_model_is_titled_with_its_own_name() {
+    let mut conversion = sample::ball();
+    assert_eq!(model_name(&conversion), "Untitled model");
+    conversion.asset.document.json = serde_json::json!({
+        "scene": 1,
+        "scenes": [{ "name": "Attic" }, { "name": "Scene" }],
+        "meshes": [{ "name": "chair" }],
+    });
+    assert_eq!(model_name(&conversion), "chair");
+    conversion.asset.document.json["scene"] = 0.into();
+    assert_eq!(model_name(&conversion), "Attic");
+}

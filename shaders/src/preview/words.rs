@@ -8,13 +8,17 @@ use super::scene::surface::Look;
 use super::scene::views::View;
 use super::scene::{Filter, Scene, Subject};
 
-/// The name that a model gives itself: its scene's, else its first mesh's.
+/// The name that a model gives itself: its scene's, where an exporter has not just written "Scene", else
+/// its first mesh's.
 pub fn model_name(conversion: &Conversion) -> String {
     let json = &conversion.asset.document.json;
     let scene = json.get("scene").and_then(Value::as_u64).unwrap_or(0);
     let names = [json.pointer(&format!("/scenes/{scene}/name")), json.pointer("/meshes/0/name")];
     let mut names = names.into_iter().flatten().filter_map(Value::as_str).map(str::trim);
-    names.find(|name| !name.is_empty()).unwrap_or("Untitled model").to_owned()
+    names
+        .find(|name| !name.is_empty() && !name.eq_ignore_ascii_case("scene"))
+        .unwrap_or("Untitled model")
+        .to_owned()
 }
 
 /// Figures of the whole model, one line.
@@ -64,6 +68,9 @@ pub fn row_words(view: &View, filter: Filter, focus: Option<&Focus>) -> (String,
         Look::Flat(slot) => format!("{}, unlit", channel(slot)),
     };
     let detail = match filter {
+        Filter::Trilinear if view.mark.is_some() => {
+            format!("{look}, trilinear filtering; the arrows point to the seam below")
+        }
         Filter::Trilinear => format!("{look}, trilinear filtering"),
         Filter::Level(level) => {
             let jump = focus.and_then(|focus| focus.source_jumps_codes.get(level as usize));

@@ -1,8 +1,12 @@
 //! One device, and what it says when something goes wrong.
 
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use crate::preview::PreviewError;
+
+/// After this a device counts as lost. A software one draws a large scene in a few seconds.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A device with its queue.
 pub struct Gpu {
@@ -67,6 +71,22 @@ impl Gpu {
             Some(error) => Err(self.failure(error)),
             None => Ok(()),
         }
+    }
+
+    /// Hands over what is queued, with `commands`, and waits until it is done.
+    ///
+    /// # Errors
+    /// `Device`, also where it takes longer than [`PATIENCE`].
+    pub fn finish(&self, commands: Option<wgpu::CommandBuffer>) -> Result<(), PreviewError> {
+        let index = self.queue.submit(commands);
+        self.check()?;
+        self.wait(index)?;
+        self.check()
+    }
+
+    fn wait(&self, index: wgpu::SubmissionIndex) -> Result<(), PreviewError> {
+        let wait = wgpu::PollType::Wait { submission_index: Some(index), timeout: Some(PATIENCE) };
+        self.device.poll(wait).map(|_| ()).map_err(|error| self.failure(error))
     }
 
     /// An error that names the adapter. wgpu tells a chain of causes over several lines: one line here.

@@ -1,7 +1,5 @@
 //! One picture: buffers, one render pass, and the way back to the CPU.
 
-use std::time::Duration;
-
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 use meshcolor::asset::AlphaMode;
@@ -16,9 +14,6 @@ use crate::preview::picture::{BACKGROUND_SRGB, Picture};
 use crate::preview::scene::geometry::Batch;
 use crate::preview::scene::surface::Surface;
 use crate::preview::scene::{Filter, Shot};
-
-/// After this a device counts as lost. A software one draws a large scene in a few seconds.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -252,21 +247,19 @@ fn read_back(
         },
         texture.size(),
     );
-    let index = gpu.queue.submit([encoder.finish()]);
-    gpu.check()?;
+    gpu.finish(Some(encoder.finish()))?;
     let (sender, receiver) = std::sync::mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
         // Nobody listens any more where waiting has failed.
         let _ = sender.send(result);
     });
-    let wait = wgpu::PollType::Wait { submission_index: Some(index), timeout: Some(PATIENCE) };
-    gpu.device.poll(wait).map_err(|error| gpu.failure(error))?;
+    // The copy is done; this turn tells the buffer so.
+    gpu.finish(None)?;
     match receiver.try_recv() {
         Ok(Ok(())) => {}
         Ok(Err(error)) => return Err(gpu.failure(error)),
         Err(_) => return Err(gpu.failure("the picture did not come back")),
     }
-    gpu.check()?;
     let bytes = buffer.get_mapped_range(..).map_err(|error| gpu.failure(error))?;
     let rows = bytes.chunks_exact(row_bytes as usize);
     let texels = rows.flat_map(|row| row[..4 * width as usize].chunks_exact(4));

@@ -59,7 +59,8 @@ impl TextureStore {
             Coordinate::Uv { .. } => upload_mip_maps(gpu, texture)?,
         };
         self.uploaded.insert(key(binding), uploaded);
-        gpu.check()
+        // Copies on their way are held until they are handed over; a model's textures are large.
+        gpu.finish(None)
     }
 }
 

@@ -9,6 +9,14 @@ use crate::preview::PreviewError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ink(pub [u8; 3]);
 
+/// Where an arrowhead points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Points {
+    Down,
+    Up,
+    Right,
+}
+
 pub struct Canvas {
     pub size: [u32; 2],
     rgb: Vec<u8>,
@@ -60,8 +68,8 @@ impl Canvas {
         }
     }
 
-    /// A small arrowhead with its tip at `tip`, pointing down, or up where `down` is false.
-    pub fn arrow(&mut self, tip: [f32; 2], down: bool, ink: Ink) {
+    /// A small arrowhead with its tip at `tip`.
+    pub fn arrow(&mut self, tip: [f32; 2], points: Points, ink: Ink) {
         const HALF_WIDTH: f32 = 5.0;
         const HEIGHT: f32 = 7.0;
         const STEPS: i32 = 4;
@@ -72,10 +80,16 @@ impl Canvas {
                 let mut inside = 0;
                 for step in 0..STEPS * STEPS {
                     let part = |n: i32| (n as f32 + 0.5) / STEPS as f32;
-                    let dx = (x as f32 + part(step % STEPS) - tip[0]).abs();
+                    let dx = x as f32 + part(step % STEPS) - tip[0];
                     let dy = y as f32 + part(step / STEPS) - tip[1];
-                    let up = if down { -dy } else { dy };
-                    inside += i32::from((0.0..=HEIGHT).contains(&up) && dx <= HALF_WIDTH * up / HEIGHT);
+                    let (behind, aside) = match points {
+                        Points::Down => (-dy, dx),
+                        Points::Up => (dy, dx),
+                        Points::Right => (-dx, dy),
+                    };
+                    let is_inside =
+                        (0.0..=HEIGHT).contains(&behind) && aside.abs() <= HALF_WIDTH * behind / HEIGHT;
+                    inside += i32::from(is_inside);
                 }
                 self.blend(x, y, ink, inside as f32 / (STEPS * STEPS) as f32);
             }

@@ -3,7 +3,7 @@
 mod canvas;
 mod text;
 
-use self::canvas::{Area, Canvas, Ink};
+use self::canvas::{Area, Canvas, Ink, Points};
 use self::text::{Style, Typeface};
 use super::PreviewError;
 use super::picture::{Picture, differences};
@@ -23,8 +23,22 @@ pub struct Row {
     pub detail: String,
     pub source: Picture,
     pub converted: Picture,
-    /// Arrows above and below the middle of each picture, where the seam enters and leaves.
-    pub has_seam: bool,
+    pub arrows: Arrows,
+}
+
+/// Small arrowheads outside of the pictures that point to the seam; pixels of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Arrows {
+    None,
+    /// Above and below: the seam runs from one to the other.
+    Line {
+        x: f32,
+    },
+    /// Above and to the left: the seam lies where their ways cross.
+    Place {
+        x: f32,
+        y: f32,
+    },
 }
 
 /// The difference column shows codes times this.
@@ -149,11 +163,23 @@ impl Sheet<'_> {
         }
         let area = Area { left: column_left(2), top: top + CAPTION, width, height };
         self.canvas.place(area, |pixel| gray((u32::from(difference[pixel]) * AMPLIFICATION).min(255) as u8));
-        if row.has_seam {
-            for column in 0..3 {
-                let x = (column_left(column) + width / 2) as f32;
-                self.canvas.arrow([x, (top + CAPTION - 3) as f32], true, ACCENT);
-                self.canvas.arrow([x, (top + CAPTION + height + 3) as f32], false, ACCENT);
+        for column in 0..3 {
+            self.arrows(row.arrows, [column_left(column) as f32, (top + CAPTION) as f32], height as f32);
+        }
+    }
+
+    /// `corner` is the picture's, on the sheet.
+    fn arrows(&mut self, arrows: Arrows, [left, top]: [f32; 2], height: f32) {
+        const AWAY: f32 = 3.0;
+        match arrows {
+            Arrows::None => {}
+            Arrows::Line { x } => {
+                self.canvas.arrow([left + x, top - AWAY], Points::Down, ACCENT);
+                self.canvas.arrow([left + x, top + height + AWAY], Points::Up, ACCENT);
+            }
+            Arrows::Place { x, y } => {
+                self.canvas.arrow([left + x, top - AWAY], Points::Down, ACCENT);
+                self.canvas.arrow([left - AWAY, top + y], Points::Right, ACCENT);
             }
         }
     }

@@ -126,7 +126,7 @@ fn touches(corners: &[DVec3; 3], [low, high]: [DVec3; 2]) -> bool {
 }
 
 /// Directions from mesh to view space.
-struct Turn {
+pub struct Turn {
     matrix: DMat3,
     /// The cofactor matrix with the sign that keeps fronts in front: it turns normals, also where the
     /// matrix has no inverse.
@@ -135,7 +135,7 @@ struct Turn {
 }
 
 impl Turn {
-    fn new(matrix: DMat3) -> Self {
+    pub fn new(matrix: DMat3) -> Self {
         let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
         let mirrors = matrix.determinant() < 0.0;
         let sign = if mirrors { -1.0 } else { 1.0 };
@@ -143,7 +143,7 @@ impl Turn {
         Self { matrix, normal_matrix, mirrors }
     }
 
-    fn normal(&self, normal: Vec3) -> Vec3 {
+    pub fn normal(&self, normal: Vec3) -> Vec3 {
         unit(self.normal_matrix * normal.as_dvec3(), DVec3::Z)
     }
 

@@ -160,6 +160,12 @@ impl<'a> Scene<'a> {
         (batch.triangle_count() > 0).then_some(((primitive.material, finished.is_some()), batch))
     }
 
+    /// The first drawn instance of a mesh: mesh to world.
+    pub fn first_instance(&self, mesh: usize) -> Option<DAffine3> {
+        let instances = &self.asset.instances[..self.drawn_instance_count];
+        instances.iter().find(|instance| instance.mesh == mesh).map(affine)
+    }
+
     pub fn asset(&self) -> &'a Asset {
         self.asset
     }

@@ -5,6 +5,7 @@ use meshcolor::asset::Slot;
 use meshcolor::pipeline::Focus;
 
 use super::camera::{Camera, CloseUp, extent, fit, three_quarter};
+use super::geometry::Turn;
 use super::surface::Look;
 use super::{Filter, Scene, Subject};
 
@@ -15,6 +16,8 @@ pub struct View {
     pub size: [u32; 2],
     pub look: Look,
     pub filters: Vec<Filter>,
+    /// Where the seam lies in the picture, pixels, if it faces the camera.
+    pub mark: Option<[f32; 2]>,
 }
 
 /// Width of a picture on the sheet, pixels.
@@ -45,7 +48,20 @@ pub fn whole(scene: &Scene<'_>, focus: Option<&Focus>) -> View {
         size: [PICTURE_WIDTH, height],
         look: Look::Lit,
         filters: vec![Filter::Trilinear],
+        mark: focus.and_then(|focus| mark(scene, focus, &camera, [PICTURE_WIDTH, height])),
     }
+}
+
+/// The focus in a picture of the world, on the first instance of its mesh.
+fn mark(scene: &Scene<'_>, focus: &Focus, camera: &Camera, size: [u32; 2]) -> Option<[f32; 2]> {
+    let to_view = camera.to_view * scene.first_instance(focus.mesh)?;
+    let position = to_view.transform_point3(focus.position.as_dvec3());
+    let normal = Turn::new(to_view.matrix3).normal(focus.normal).as_dvec3();
+    let is_facing = normal.dot(position.normalize_or_zero()) < -0.2;
+    let clip = camera.projection.as_dmat4() * position.extend(1.0);
+    let [x, y] = [0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w];
+    let is_inside = (0.0..1.0).contains(&x) && (0.0..1.0).contains(&y);
+    (is_facing && is_inside).then_some([(x * f64::from(size[0])) as f32, (y * f64::from(size[1])) as f32])
 }
 
 /// The surroundings of the worst seam, one channel unlit, at up to three levels. `None` where the focus
@@ -68,6 +84,7 @@ pub fn close_up(scene: &Scene<'_>, focus: &Focus) -> Option<View> {
         size: [PICTURE_WIDTH, CLOSE_UP_HEIGHT],
         look: Look::Flat(slot),
         filters: forced_levels(texture.levels.len()).into_iter().map(Filter::Level).collect(),
+        mark: Some([PICTURE_WIDTH as f32 / 2.0, CLOSE_UP_HEIGHT as f32 / 2.0]),
     })
 }
 
