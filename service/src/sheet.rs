@@ -2,22 +2,17 @@
 //! Nothing else in this crate touches it.
 
 use meshcolor::pipeline::Conversion;
-
-/// The seam-check sheet, and what drew it.
-pub struct Sheet {
-    pub png: Vec<u8>,
-    pub renderer: String,
-}
+pub use meshcolor_shaders::preview::Sheet;
 
 /// Draws the sheet of a conversion.
 ///
 /// # Errors
 /// Whatever kept the renderer from drawing; a conversion is complete without its picture.
-pub fn draw(_conversion: &Conversion) -> anyhow::Result<Sheet> {
-    anyhow::bail!("this build has no preview renderer")
+pub fn draw(conversion: &Conversion) -> anyhow::Result<Sheet> {
+    Ok(meshcolor_shaders::preview::sheet(conversion)?)
 }
 
 /// The sampling functions that users paste into their shaders.
-pub fn wgsl() -> Option<&'static str> {
-    None
+pub fn wgsl() -> &'static str {
+    meshcolor_shaders::WGSL
 }

@@ -71,12 +71,10 @@ pub fn convert(
     } else {
         None
     };
-    if let Some(text) = sheet::wgsl() {
-        files.push(BundleFile {
-            path: "shaders/mesh_color_texture.wgsl".to_owned(),
-            bytes: text.as_bytes().to_vec(),
-        });
-    }
+    files.push(BundleFile {
+        path: "shaders/mesh_color_texture.wgsl".to_owned(),
+        bytes: sheet::wgsl().as_bytes().to_vec(),
+    });
     let run = run_json(watch, started_at, sheet.as_ref());
     files.push(bundle::json_file("run.json", &run));
     let preview = match sheet {

@@ -1,1 +1,8 @@
+//! What runs on a GPU with mesh color textures: the WGSL that users paste into their engines, its twins
+//! for the CPU, and the seam-check sheet that is drawn with either.
 
+pub mod preview;
+pub mod twins;
+
+/// The sampling functions, complete in one file that declares no bindings.
+pub const WGSL: &str = include_str!("../wgsl/mesh_color_texture.wgsl");

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use anyhow::Context;
 
 use super::Outcome;
-use super::outcome::UsageError;
 use crate::demo::{self, Plan, SentFile};
+use crate::sample;
 use crate::work::processor_count;
 
 #[derive(clap::Args)]
@@ -24,17 +24,12 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     crate::logging::start("warn");
     let files = match &arguments.model {
         Some(path) => model_files(path)?,
-        None => vec![SentFile { path: "sample.glb".to_owned(), bytes: sample()? }],
+        None => vec![SentFile { path: "sample.glb".to_owned(), bytes: sample::model() }],
     };
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
     let plan = Plan { files, out: arguments.out, threads: processor_count() };
     runtime.block_on(demo::run(plan))?;
     Ok(Outcome::Fine)
-}
-
-/// The model that shows seams best.
-fn sample() -> anyhow::Result<Vec<u8>> {
-    Err(UsageError("this build has no sample model; name one: meshcolor demo MODEL".to_owned()).into())
 }
 
 /// Endings of files that a model may name.

@@ -1,0 +1,122 @@
+//! The color of one fragment: the CPU twin of the fragment stage of `preview.wgsl`.
+
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
+use meshcolor::asset::{AlphaMode, Slot};
+use meshcolor::math::transfer::srgb_to_linear;
+
+use super::raster::Weights;
+use super::sample::{sample_mesh_colors, sample_mip_maps};
+use crate::preview::scene::Filter;
+use crate::preview::scene::geometry::{Batch, NORMAL_AT};
+use crate::preview::scene::surface::{Coordinate, Look};
+use crate::preview::scene::texture::Texture;
+use crate::preview::shade::{Shaded, lit, mapped_normal, source_lambda};
+use crate::twins::mct_lambda;
+
+/// What a flat picture shows where a material has no texture in the channel shown.
+pub const ABSENT: f32 = 0.03;
+
+/// Where a fragment lies in its triangle.
+pub struct Fragment<'a> {
+    pub batch: &'a Batch,
+    pub corners: [&'a [f32]; 3],
+    pub is_front: bool,
+    pub weights: Weights,
+    pub textures: &'a [Texture<'a>],
+    pub filter: Filter,
+}
+
+impl Fragment<'_> {
+    fn mix<const N: usize>(&self, at: usize, weights: Vec3) -> [f32; N] {
+        std::array::from_fn(|i| {
+            self.corners[0][at + i] * weights.x
+                + self.corners[1][at + i] * weights.y
+                + self.corners[2][at + i] * weights.z
+        })
+    }
+
+    /// The filtered value of a slot; `None` where the surface has no texture there.
+    fn sample(&self, slot: Slot) -> Option<Vec4> {
+        let binding = self.batch.surface.binding(slot)?;
+        let texture = &self.textures[binding.texture];
+        let Weights { at, dx, dy } = self.weights;
+        match (binding.coordinate, self.batch.layout.mesh) {
+            (Coordinate::Mesh, Some(place)) => {
+                let coordinate = Vec4::from_array(self.mix(place, at));
+                let dx = Vec4::from_array(self.mix(place, dx)).xy();
+                let dy = Vec4::from_array(self.mix(place, dy)).xy();
+                Some(sample_mesh_colors(texture, coordinate, mct_lambda(dx, dy), self.filter))
+            }
+            (Coordinate::Mesh, None) => None,
+            (Coordinate::Uv { set, wrap }, _) => {
+                let place = self.batch.layout.uv + 2 * set;
+                let [uv, dx, dy] = [at, dx, dy].map(|weights| Vec2::from_array(self.mix(place, weights)));
+                let finest = texture.level(0);
+                let size = Vec2::new(finest.width as f32, finest.height as f32);
+                Some(sample_mip_maps(texture, wrap, uv, source_lambda(dx, dy, size), self.filter))
+            }
+        }
+    }
+
+    /// Unit length, toward the viewer, with the normal map.
+    fn normal(&self) -> Vec3 {
+        let facing = if self.is_front { 1.0 } else { -1.0 };
+        let normal = Vec3::from_array(self.mix(NORMAL_AT, self.weights.at)).normalize_or(Vec3::Z);
+        let (Some(stored), Some(place)) = (self.sample(Slot::Normal), self.batch.layout.tangent) else {
+            return normal * facing;
+        };
+        let tangent = Vec4::from_array(self.mix(place, self.weights.at));
+        let direction = tangent.truncate().normalize_or(Vec3::X);
+        let handedness = if tangent.w < 0.0 { -1.0 } else { 1.0 };
+        facing
+            * mapped_normal(stored.truncate(), self.batch.surface.normal_scale, normal, direction, handedness)
+    }
+
+    /// Linear color and alpha; `None` where the alpha test fails.
+    pub fn color(&self, look: Look) -> Option<Vec4> {
+        let surface = &self.batch.surface;
+        let texel = self.sample(Slot::BaseColor);
+        let base = texel.unwrap_or(Vec4::ONE) * surface.base_color_factor;
+        if let AlphaMode::Mask(cutoff) = surface.alpha_mode
+            && base.w < cutoff
+        {
+            return None;
+        }
+        let alpha = if surface.alpha_mode == AlphaMode::Blend { base.w.clamp(0.0, 1.0) } else { 1.0 };
+        let color = match look {
+            Look::Lit => lit(&self.shaded(base.truncate())),
+            Look::Flat(Slot::BaseColor) => base.truncate(),
+            Look::Flat(slot) => self.flat(slot),
+        };
+        Some(color.clamp(Vec3::ZERO, Vec3::ONE).extend(alpha))
+    }
+
+    /// A channel as it is stored: codes of data channels come out as the same codes of the picture.
+    fn flat(&self, slot: Slot) -> Vec3 {
+        let Some(value) = self.sample(slot) else { return Vec3::splat(ABSENT) };
+        let shown = match slot {
+            Slot::Emissive | Slot::BaseColor => return value.truncate(),
+            Slot::Normal => self.normal() * 0.5 + 0.5,
+            Slot::Occlusion => Vec3::splat(value.x),
+            Slot::MetallicRoughness => value.truncate(),
+        };
+        Vec3::from_array(shown.to_array().map(srgb_to_linear))
+    }
+
+    fn shaded(&self, base_color: Vec3) -> Shaded {
+        let surface = &self.batch.surface;
+        let metallic_roughness = self.sample(Slot::MetallicRoughness).unwrap_or(Vec4::ONE);
+        let occlusion = self.sample(Slot::Occlusion).map_or(1.0, |value| value.x);
+        let emissive = self.sample(Slot::Emissive).map_or(Vec3::ONE, |value| value.truncate());
+        let position = Vec3::from_array(self.mix(0, self.weights.at));
+        Shaded {
+            base_color,
+            metallic: metallic_roughness.z * surface.metallic_factor,
+            roughness: metallic_roughness.y * surface.roughness_factor,
+            occlusion: 1.0 + surface.occlusion_strength * (occlusion - 1.0),
+            emissive: emissive * surface.emissive_factor,
+            normal: self.normal(),
+            eye: (-position).normalize_or(Vec3::Z),
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Texture fetches of the CPU renderer. `bilinear` gives the same values as `meshcolor::image::bilinear`
+//! (tested); it looks the transfer up in a table, since a picture takes tens of millions of texels.
+
+use std::sync::LazyLock;
+
+use glam::{Vec2, Vec4};
+use meshcolor::image::{Image, Pixels, Transfer, Wrap};
+use meshcolor::math::transfer::SRGB8_TO_LINEAR;
+
+use crate::preview::scene::Filter;
+use crate::preview::scene::texture::Texture;
+use crate::twins::{CLAMP, mct_pick, mct_place};
+
+static CODE8_TO_UNIT: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|code| code as f32 / 255.0));
+
+/// One texel as it enters a filter; `x` and `y` are inside.
+#[inline]
+fn texel(image: &Image, transfer: Transfer, x: u32, y: u32) -> Vec4 {
+    let Pixels::U8(codes) = &image.pixels else { return Vec4::from(image.linear(x, y, transfer)) };
+    let color: &[f32; 256] = match transfer {
+        Transfer::Srgb => &SRGB8_TO_LINEAR,
+        Transfer::Linear => &CODE8_TO_UNIT,
+    };
+    let components = image.components as usize;
+    let at = (y as usize * image.width as usize + x as usize) * components;
+    let codes = &codes[at..at + components];
+    match *codes {
+        [r, g, b] => Vec4::new(color[r as usize], color[g as usize], color[b as usize], 1.0),
+        [r, g, b, a] => {
+            let alpha = CODE8_TO_UNIT[a as usize];
+            Vec4::new(color[r as usize], color[g as usize], color[b as usize], alpha)
+        }
+        [gray, a] => Vec4::from((glam::Vec3::splat(color[gray as usize]), CODE8_TO_UNIT[a as usize])),
+        [gray] => glam::Vec3::splat(color[gray as usize]).extend(1.0),
+        _ => Vec4::ZERO,
+    }
+}
+
+/// The bilinear value at a place in texels.
+pub fn bilinear(image: &Image, transfer: Transfer, wrap: Wrap, at_texels: Vec2) -> Vec4 {
+    let corner = at_texels - 0.5;
+    let floor = corner.floor();
+    let fraction = corner - floor;
+    let (x, y) = (floor.x as i64, floor.y as i64);
+    let columns = [wrap.s.apply(x, image.width), wrap.s.apply(x + 1, image.width)];
+    let rows = [wrap.t.apply(y, image.height), wrap.t.apply(y + 1, image.height)];
+    let top = texel(image, transfer, columns[0], rows[0])
+        .lerp(texel(image, transfer, columns[1], rows[0]), fraction.x);
+    let bottom = texel(image, transfer, columns[0], rows[1])
+        .lerp(texel(image, transfer, columns[1], rows[1]), fraction.x);
+    top.lerp(bottom, fraction.y)
+}
+
+/// The value of a mip-mapped texture at `uv` for a level of detail, as filtered.
+pub fn sample_mip_maps(texture: &Texture<'_>, wrap: Wrap, uv: Vec2, lambda: f32, filter: Filter) -> Vec4 {
+    between_levels(texture, lambda, filter, |level| {
+        let image = texture.level(level as usize);
+        let size = Vec2::new(image.width as f32, image.height as f32);
+        bilinear(image, texture.transfer, wrap, uv * size)
+    })
+}
+
+/// The value of a mesh color texture at a 4D coordinate for a level of detail, as filtered.
+pub fn sample_mesh_colors(texture: &Texture<'_>, coordinate: Vec4, lambda: f32, filter: Filter) -> Vec4 {
+    between_levels(texture, lambda, filter, |level| {
+        let place = mct_place(coordinate, level);
+        bilinear(texture.level(level as usize), texture.transfer, CLAMP, place)
+    })
+}
+
+fn between_levels(texture: &Texture<'_>, lambda: f32, filter: Filter, fetch: impl Fn(u32) -> Vec4) -> Vec4 {
+    let level_count = texture.levels.len() as u32;
+    let lambda = match filter {
+        Filter::Trilinear => lambda,
+        Filter::Level(level) => level as f32,
+    };
+    let pick = mct_pick(lambda, level_count);
+    let finer = fetch(pick.finer);
+    if pick.fraction > 0.0 { finer.lerp(fetch(pick.coarser), pick.fraction) } else { finer }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use meshcolor::image::WrapMode;
+
+    #[test]
+    fn the_table_gives_what_the_core_gives() {
+        for components in 1..=4_u8 {
+            let codes = (0..5 * 3 * components as usize).map(|i| (i * 37 % 256) as u8).collect();
+            let image = Image { width: 5, height: 3, components, pixels: Pixels::U8(codes) };
+            for transfer in [Transfer::Srgb, Transfer::Linear] {
+                for (step, mode) in [WrapMode::Repeat, WrapMode::MirroredRepeat, WrapMode::ClampToEdge]
+                    .into_iter()
+                    .enumerate()
+                {
+                    let wrap = Wrap { s: mode, t: WrapMode::Repeat };
+                    let at = Vec2::new(-3.3 + 4.1 * step as f32, 7.7);
+                    let expected = meshcolor::image::bilinear(&image, transfer, wrap, at);
+                    assert!((bilinear(&image, transfer, wrap, at) - expected).abs().max_element() < 1e-6);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! One look at every index of the finished conversion before anything is drawn by it.
+
+use meshcolor::asset::Asset;
+use meshcolor::finished::{Finished, FinishedPrimitive};
+use meshcolor::image::{Image, Pixels};
+
+use crate::preview::PreviewError;
+
+/// # Errors
+/// `Inconsistent`, naming the first element that points past the asset or lacks its images.
+pub fn check(asset: &Asset, finished: &Finished) -> Result<(), PreviewError> {
+    for (number, texture) in finished.textures.iter().enumerate() {
+        ensure(texture.material < asset.materials.len(), || format!("material of texture {number}"))?;
+        ensure(!texture.levels.is_empty(), || format!("levels of texture {number}"))?;
+        for (level, image) in texture.levels.iter().enumerate() {
+            ensure(is_whole(image), || format!("level {level} of texture {number}"))?;
+        }
+    }
+    for (number, image) in asset.images.iter().enumerate() {
+        ensure(is_whole(image), || format!("source image {number}"))?;
+    }
+    for (number, primitive) in finished.primitives.iter().enumerate() {
+        check_primitive(asset, primitive).map_err(|what| inconsistent(format!("{what} {number}")))?;
+    }
+    Ok(())
+}
+
+fn check_primitive(asset: &Asset, finished: &FinishedPrimitive) -> Result<(), &'static str> {
+    let mesh = asset.meshes.get(finished.mesh).ok_or("mesh of converted primitive")?;
+    let primitive = mesh.primitives.get(finished.primitive).ok_or("place of converted primitive")?;
+    let vertex_count = primitive.positions.len();
+    if finished.triangles.iter().flat_map(|t| t.vertices).any(|v| v as usize >= vertex_count) {
+        return Err("a vertex of converted primitive");
+    }
+    if !finished.frames.is_empty() && finished.frames.len() != finished.triangles.len() {
+        return Err("frames of converted primitive");
+    }
+    Ok(())
+}
+
+fn is_whole(image: &Image) -> bool {
+    let code_count = match &image.pixels {
+        Pixels::U8(codes) => codes.len(),
+        Pixels::U16(codes) => codes.len(),
+    };
+    image.width > 0
+        && image.height > 0
+        && (1..=4).contains(&image.components)
+        && code_count == image.texel_count() * image.components as usize
+}
+
+fn ensure(holds: bool, what: impl FnOnce() -> String) -> Result<(), PreviewError> {
+    if holds { Ok(()) } else { Err(inconsistent(what())) }
+}
+
+fn inconsistent(what: String) -> PreviewError {
+    PreviewError::Inconsistent(what)
+}

@@ -1,0 +1,158 @@
+//! What a renderer needs to know of a material on one side of the sheet, reduced to what the asset has
+//! and the picture shows.
+
+use glam::{Vec3, Vec4};
+use meshcolor::asset::{AlphaMode, Asset, Material, Slot, UvTransform};
+use meshcolor::finished::Finished;
+use meshcolor::image::Wrap;
+
+use super::texture::TextureList;
+
+/// Which half of the sheet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    Source,
+    Converted,
+}
+
+/// What a picture shows of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// All of the material, lit.
+    Lit,
+    /// One channel alone, unlit.
+    Flat(Slot),
+}
+
+/// How a slot finds its place in its texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Coordinate {
+    /// Texture coordinates: number in `Surface::uv_sets`.
+    Uv { set: usize, wrap: Wrap },
+    /// The 4D coordinate.
+    Mesh,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Binding {
+    /// Number in `Scene::textures`.
+    pub texture: usize,
+    pub coordinate: Coordinate,
+}
+
+/// A texture coordinate set of the primitive with the transform that its slot asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UvSet {
+    pub texcoord: usize,
+    pub transform: UvTransform,
+}
+
+/// A material as it is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    /// Indexed by `Slot as usize`.
+    pub bindings: [Option<Binding>; 5],
+    pub uv_sets: Vec<UvSet>,
+    pub base_color_factor: Vec4,
+    pub metallic_factor: f32,
+    pub roughness_factor: f32,
+    pub emissive_factor: Vec3,
+    pub normal_scale: f32,
+    pub occlusion_strength: f32,
+    pub alpha_mode: AlphaMode,
+    pub double_sided: bool,
+}
+
+impl Surface {
+    /// The surface of a material without textures.
+    fn plain(material: &Material) -> Self {
+        Self {
+            bindings: [None; 5],
+            uv_sets: Vec::new(),
+            base_color_factor: material.base_color_factor,
+            metallic_factor: material.metallic_factor,
+            roughness_factor: material.roughness_factor,
+            emissive_factor: material.emissive_factor,
+            normal_scale: material.normal_scale,
+            occlusion_strength: material.occlusion_strength,
+            alpha_mode: material.alpha_mode,
+            double_sided: material.double_sided,
+        }
+    }
+
+    /// A material (`None`: glTF's default one) on one side. The converted side reads a slot by 4D
+    /// coordinate where that slot was converted and the primitive has such coordinates.
+    pub fn new(
+        list: &mut TextureList<'_>,
+        asset: &Asset,
+        finished: Option<&Finished>,
+        material: Option<usize>,
+    ) -> Self {
+        let Some(index) = material else { return Self::plain(&default_material()) };
+        let material = &asset.materials[index];
+        let mut surface = Self::plain(material);
+        for slot in Slot::ALL {
+            let Some(reference) = material.slot(slot) else { continue };
+            let converted = finished.and_then(|finished| {
+                finished.textures.iter().position(|t| t.material == index && t.slots.contains(&slot))
+            });
+            surface.bindings[slot as usize] = Some(match converted {
+                Some(texture) => Binding { texture, coordinate: Coordinate::Mesh },
+                None => {
+                    let texture = list.source(reference.image, slot.is_color());
+                    let set = UvSet { texcoord: reference.texcoord, transform: reference.transform };
+                    let set = surface.uv_set(set);
+                    Binding { texture, coordinate: Coordinate::Uv { set, wrap: reference.wrap } }
+                }
+            });
+        }
+        surface
+    }
+
+    fn uv_set(&mut self, set: UvSet) -> usize {
+        match self.uv_sets.iter().position(|known| *known == set) {
+            Some(number) => number,
+            None => {
+                self.uv_sets.push(set);
+                self.uv_sets.len() - 1
+            }
+        }
+    }
+
+    pub fn binding(&self, slot: Slot) -> Option<&Binding> {
+        self.bindings[slot as usize].as_ref()
+    }
+
+    pub fn uses_mesh_coordinates(&self) -> bool {
+        self.bindings.iter().flatten().any(|binding| binding.coordinate == Coordinate::Mesh)
+    }
+
+    /// Only what `look` shows: a flat picture reads one channel, and base color where alpha is tested.
+    pub fn reduced(&self, look: Look) -> Self {
+        let Look::Flat(shown) = look else { return self.clone() };
+        let mut surface = self.clone();
+        let is_tested = matches!(self.alpha_mode, AlphaMode::Mask(_));
+        for slot in Slot::ALL {
+            let is_needed = slot == shown || (slot == Slot::BaseColor && is_tested);
+            if !is_needed {
+                surface.bindings[slot as usize] = None;
+            }
+        }
+        if surface.alpha_mode == AlphaMode::Blend {
+            surface.alpha_mode = AlphaMode::Opaque;
+        }
+        surface
+    }
+}
+
+/// glTF 2.0, section 3.9: what a primitive without a material has.
+fn default_material() -> Material {
+    Material {
+        base_color_factor: Vec4::ONE,
+        metallic_factor: 1.0,
+        roughness_factor: 1.0,
+        normal_scale: 1.0,
+        occlusion_strength: 1.0,
+        ..Material::default()
+    }
+}
