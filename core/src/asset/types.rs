@@ -19,7 +19,8 @@ use crate::image::{Image, Wrap};
 /// * images are decoded once each, within the limits asked for: `images[i]` is image `i` of the document.
 ///   Decoded are the images that a slot of a material reads, and the levels of a converted texture; any
 ///   other image is one black texel here (its file is in `Document::encoded_images`). Where several
-///   images of the document are the same file, `TextureRef::image` is the first of them.
+///   images of the document are the same file, `TextureRef::image` is the first of them, and the others
+///   are one texel too unless they are levels.
 #[derive(Clone, Debug, Default)]
 pub struct Asset {
     pub document: Document,

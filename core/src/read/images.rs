@@ -17,6 +17,16 @@ use crate::watch;
 /// Memory that a decoder may use besides the picture: rows, text and profile chunks.
 const DECODER_EXTRA_BYTES: u64 = 16 << 20;
 
+/// Whether an image is decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wanted {
+    No,
+    /// Once for all images that are the same file, at the place of the first.
+    Shared,
+    /// At its own place, copied there where it is not the first of its kind.
+    InPlace,
+}
+
 /// All images of a model by index.
 pub(super) struct Decoded {
     /// Placeholders of one black texel where an image is not decoded.
@@ -29,30 +39,25 @@ pub(super) struct Decoded {
 /// where in the model an image stands.
 pub(super) fn decode_all(
     encoded: &[EncodedImage],
-    wanted: &[bool],
+    wanted: &[Wanted],
     place: impl Fn(usize) -> String + Sync,
     context: &Context,
 ) -> Result<Decoded> {
     let (limits, watch) = (context.budget.limits, context.watch);
     let canonical = first_of_equals(encoded);
     let mut chosen = vec![false; encoded.len()];
-    for (index, _) in wanted.iter().enumerate().filter(|(_, wanted)| **wanted) {
+    for (index, _) in wanted.iter().enumerate().filter(|(_, wanted)| **wanted != Wanted::No) {
         chosen[canonical[index]] = true;
     }
+    let is_copy = |index: usize| wanted[index] == Wanted::InPlace && canonical[index] != index;
     let mut headers = Vec::new();
     let mut total_pixels = 0u64;
-    for (index, file) in encoded.iter().enumerate().filter(|(index, _)| chosen[*index]) {
+    for (index, file) in encoded.iter().enumerate().filter(|(index, _)| chosen[*index] || is_copy(*index)) {
         let header = checked_header(&file.bytes, limits, &place(index))?;
-        total_pixels += header.pixels();
-        if total_pixels > limits.job_pixels {
-            let detail = format!(
-                "the images together have at least {total_pixels} pixels; the limit is {} (limit `job_pixels`)",
-                limits.job_pixels
-            );
-            let error = Error::new(ErrorCode::ImageTooLarge, detail).at(place(index));
-            return Err(error.limit(limits.job_pixels, total_pixels));
+        total_pixels = add_pixels(total_pixels, header, limits).map_err(|error| error.at(place(index)))?;
+        if chosen[index] {
+            headers.push((index, header));
         }
-        headers.push((index, header));
     }
     watch::check(watch)?;
     watch.step(Some("decode"));
@@ -68,7 +73,23 @@ pub(super) fn decode_all(
     for ((index, _), image) in headers.into_iter().zip(decoded) {
         images[index] = image?;
     }
+    for index in (0..images.len()).filter(|index| is_copy(*index)) {
+        images[index] = images[canonical[index]].clone();
+    }
     Ok(Decoded { images, canonical })
+}
+
+/// The total with one image more, within what all may have together.
+fn add_pixels(total: u64, header: Header, limits: &Limits) -> Result<u64> {
+    let total = total.saturating_add(header.pixels());
+    if total <= limits.job_pixels {
+        return Ok(total);
+    }
+    let detail = format!(
+        "the images together have at least {total} pixels; the limit is {} (limit `job_pixels`)",
+        limits.job_pixels
+    );
+    Err(Error::new(ErrorCode::ImageTooLarge, detail).limit(limits.job_pixels, total))
 }
 
 fn placeholder() -> Image {

@@ -76,7 +76,8 @@ impl<'a> At<'a> {
     }
 
     pub fn error(&self, detail: impl Into<String>) -> Error {
-        Error::invalid(detail).at(self.pointer.clone())
+        let error = Error::invalid(detail);
+        if self.pointer.is_empty() { error } else { error.at(self.pointer.clone()) }
     }
 
     /// The member of an object, where it is there.

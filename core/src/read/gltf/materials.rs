@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::Value;
 
+use super::super::images::Wanted;
 use super::super::json::At;
 use super::super::text::quoted;
 use super::super::warnings::Warnings;
@@ -25,21 +26,22 @@ pub(super) fn read(root: &At, warnings: &mut Warnings) -> Result<Vec<Material>> 
     root.objects("materials")?.iter().map(|at| read_one(at, &textures, warnings)).collect()
 }
 
-/// The images that a core slot of a material reads, and the further levels of converted ones.
-pub(super) fn wanted_images(root: &At, materials: &[Material], image_count: usize) -> Vec<bool> {
-    let mut wanted = vec![false; image_count];
+/// The images that a core slot of a material reads, and the levels of converted ones, which are found by
+/// their index in the document.
+pub(super) fn wanted_images(root: &At, materials: &[Material], image_count: usize) -> Vec<Wanted> {
+    let mut wanted = vec![Wanted::No; image_count];
     for slot in materials.iter().flat_map(|material| &material.slots).flatten() {
-        wanted[slot.image] = true;
+        wanted[slot.image] = Wanted::Shared;
     }
     for texture in root.value["textures"].as_array().into_iter().flatten() {
         let levels = &texture["extensions"]["MCT_mesh_color_texture"]["levels"];
         let source = texture["source"].as_u64().and_then(|source| usize::try_from(source).ok());
-        if !source.and_then(|source| wanted.get(source)).copied().unwrap_or(false) {
+        if !source.and_then(|source| wanted.get(source)).is_some_and(|wanted| *wanted != Wanted::No) {
             continue;
         }
         for level in levels.as_array().into_iter().flatten().filter_map(Value::as_u64) {
             if let Some(wanted) = usize::try_from(level).ok().and_then(|level| wanted.get_mut(level)) {
-                *wanted = true;
+                *wanted = Wanted::InPlace;
             }
         }
     }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use glam::{Vec3, Vec4};
 
+use super::super::images::Wanted;
 use super::super::text::quoted_bytes;
 use super::super::uri::folder_of;
 use super::super::{Context, images};
@@ -46,7 +47,7 @@ pub(super) fn read(parsed: &Parsed, file: &str, context: &mut Context) -> Result
         });
     }
     let Gathered { encoded, names, places, .. } = gathered;
-    let wanted = vec![true; encoded.len()];
+    let wanted = vec![Wanted::Shared; encoded.len()];
     let decoded = images::decode_all(&encoded, &wanted, |index| places[index].clone(), context)?;
     for reference in materials.iter_mut().flat_map(|material| &mut material.slots).flatten() {
         reference.image = decoded.canonical[reference.image];

@@ -207,6 +207,13 @@ fn levels_of_converted_textures_are_decoded() {
     gltf.json["textures"][0]["extensions"] = json!({ "MCT_mesh_color_texture": { "levels": [0, 1, 2] } });
     let asset = gltf.read().unwrap();
     assert_eq!(asset.images.iter().map(Image::size).collect::<Vec<_>>(), [[8, 8], [4, 4], [2, 2]]);
-    gltf.json["textures"][0]["extensions"]["MCT_mesh_color_texture"]["levels"][2] = json!(3);
-    gltf.refused(ErrorCode::InvalidModel, "/textures/0/extensions/MCT_mesh_color_texture/levels/2");
+    // Equal levels of two textures are each at their place.
+    let view = gltf.view(&png(4, 4));
+    let image = gltf.push("images", json!({ "bufferView": view }));
+    gltf.json["textures"][0]["extensions"]["MCT_mesh_color_texture"]["levels"] = json!([0, 1, 2, image]);
+    assert_eq!(gltf.read().unwrap().images[image].size(), [4, 4]);
+    let limits = Limits { job_pixels: 64 + 16 + 4 + 15, ..Limits::default() };
+    assert_eq!(read_limited(gltf.glb(), limits).unwrap_err().code, ErrorCode::ImageTooLarge);
+    gltf.json["images"].as_array_mut().unwrap().pop();
+    gltf.refused(ErrorCode::InvalidModel, "/textures/0/extensions/MCT_mesh_color_texture/levels/3");
 }
