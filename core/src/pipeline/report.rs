@@ -33,6 +33,7 @@ pub fn extras(materials: &[MaterialConversion]) -> Extras {
     Extras {
         sample_counts: materials.iter().map(counts).collect(),
         solver: materials.iter().flat_map(|m| &m.channels).map(|channel| channel.solver.clone()).collect(),
+        ..Extras::default()
     }
 }
 
