@@ -185,26 +185,37 @@ fn on_adapter(inputs: &[[f32; INPUT_FLOATS]], stack: &Image) -> Option<Vec<[f32;
         layout: &pipeline.get_bind_group_layout(0),
         entries: &entries,
     });
-    let copy = device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: output.size(),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    {
+    let run = |encoder: &mut wgpu::CommandEncoder| {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
         pass.dispatch_workgroups((inputs.len() / 64) as u32, 1, 1);
-    }
-    encoder.copy_buffer_to_buffer(&output, 0, &copy, 0, output.size());
+    };
+    let floats = read_back(&device, &queue, &output, run);
+    Some(floats.chunks_exact(OUTPUT_FLOATS).map(|row| std::array::from_fn(|i| row[i])).collect())
+}
+
+/// Encodes and runs `run`, then fetches a buffer.
+fn read_back(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &wgpu::Buffer,
+    run: impl FnOnce(&mut wgpu::CommandEncoder),
+) -> Vec<f32> {
+    let copy = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: buffer.size(),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    run(&mut encoder);
+    encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
     queue.submit([encoder.finish()]);
     copy.map_async(wgpu::MapMode::Read, .., |result| result.expect("the buffer is mapped"));
     device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
     let bytes = copy.get_mapped_range(..).expect("the buffer is mapped");
-    let floats: Vec<f32> = bytemuck::pod_collect_to_vec(&bytes[..]);
-    Some(floats.chunks_exact(OUTPUT_FLOATS).map(|row| std::array::from_fn(|i| row[i])).collect())
+    bytemuck::pod_collect_to_vec(&bytes[..])
 }
 
 /// As half floats: those are filtered without rounding weights on every driver that we know.

@@ -94,7 +94,7 @@ impl Typeface {
         (x - style.spacing).max(0.0)
     }
 
-    /// Letters that the font lacks show as a box-free mark, so that names in any script stay countable.
+    /// A letter that the font lacks shows as a dot.
     fn printable(&self, letter: char) -> char {
         if letter.is_control() {
             ' '

@@ -32,7 +32,11 @@ const FRAME_TEXELS: f64 = 72.0;
 
 /// The whole asset, three quarters, from the side on which the seam is if there is one.
 pub fn whole(scene: &Scene<'_>, focus: Option<&Focus>) -> View {
-    let right = focus.is_none_or(|focus| focus.normal.x >= 0.0);
+    let world_normal = focus.and_then(|focus| {
+        let to_world = scene.first_instance(focus.mesh)?;
+        Some(Turn::new(to_world.matrix3).normal(focus.normal))
+    });
+    let right = world_normal.is_none_or(|normal| normal.x >= 0.0);
     let turn = three_quarter(right);
     let each = |visit: &mut dyn FnMut(DVec3)| scene.each_world_point(visit);
     let box_aspect = extent(turn, &each).map_or(1.0, |[low, high]| {
@@ -57,7 +61,7 @@ fn mark(scene: &Scene<'_>, focus: &Focus, camera: &Camera, size: [u32; 2]) -> Op
     let to_view = camera.to_view * scene.first_instance(focus.mesh)?;
     let position = to_view.transform_point3(focus.position.as_dvec3());
     let normal = Turn::new(to_view.matrix3).normal(focus.normal).as_dvec3();
-    let is_facing = normal.dot(position.normalize_or_zero()) < -0.2;
+    let is_facing = normal.dot(position.normalize_or_zero()) < -0.05;
     let clip = camera.projection.as_dmat4() * position.extend(1.0);
     let [x, y] = [0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w];
     let is_inside = (0.0..1.0).contains(&x) && (0.0..1.0).contains(&y);
