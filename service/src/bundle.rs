@@ -114,7 +114,7 @@ mod tests {
         let first = zip(&files());
         assert_eq!(first, zip(&files()));
         let mut archive = zip::ZipArchive::new(Cursor::new(first)).unwrap();
-        let names: Vec<_> = archive.file_names().map(str::to_owned).collect();
+        let names: Vec<_> = archive.file_names().map(|name| name.unwrap().into_owned()).collect();
         assert_eq!(names, ["manifest.json", "asset.glb", "shaders/a.wgsl"]);
         let mut text = String::new();
         archive.by_name("shaders/a.wgsl").unwrap().read_to_string(&mut text).unwrap();

@@ -28,8 +28,7 @@ pub use text::before_and_after;
     name = "meshcolor",
     version,
     about = "Converts UV-textured meshes to mesh color textures, which have no seams",
-    after_help = "Exit codes: 0 fine, 1 findings, 2 usage, 3 input refused, 4 operation failed; 130 and 143 on signals.",
-    max_term_width = 100
+    after_help = "Exit codes: 0 fine, 1 findings, 2 usage, 3 input refused, 4 operation failed; 130 and 143 on signals."
 )]
 struct Cli {
     #[command(subcommand)]

@@ -79,9 +79,11 @@ pub async fn bundle_response(app: &App, id: JobId, headers: &HeaderMap) -> Resul
     let model = record.input.files.first().map(|file| file.path.as_str()).unwrap_or_default();
     let name = download_name(model);
     let mut response = serve(app.queue.folder.result(id, BUNDLE_FILE), &file, headers).await?;
-    let out = response.headers_mut();
-    out.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/zip"));
-    out.insert(header::CONTENT_DISPOSITION, content_disposition(&name));
+    if response.status().is_success() {
+        let out = response.headers_mut();
+        out.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/zip"));
+        out.insert(header::CONTENT_DISPOSITION, content_disposition(&name));
+    }
     Ok(response)
 }
 

@@ -7,3 +7,5 @@ pub mod queue;
 pub mod runner;
 pub mod sqlite;
 pub mod store;
+#[cfg(test)]
+pub mod testing;
