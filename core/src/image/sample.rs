@@ -16,8 +16,7 @@ pub fn bilinear(image: &Image, transfer: Transfer, wrap: Wrap, at_texels: Vec2) 
     let floor = corner.floor();
     let fraction = corner - floor;
     let (x, y) = (floor.x as i64, floor.y as i64);
-    let is_inside =
-        x >= 0 && y >= 0 && x + 1 < i64::from(image.width) && y + 1 < i64::from(image.height);
+    let is_inside = x >= 0 && y >= 0 && x + 1 < i64::from(image.width) && y + 1 < i64::from(image.height);
     let (columns, rows) = if is_inside {
         ([x as u32, x as u32 + 1], [y as u32, y as u32 + 1])
     } else {

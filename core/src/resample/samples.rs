@@ -147,11 +147,8 @@ impl<'a> FaceView<'a> {
         for b in 0..fine {
             for a in 0..fine - b {
                 let (x, y) = (a as f32, b as f32);
-                let middles = [
-                    (x + 0.5, y, b == 0),
-                    (x, y + 0.5, a == 0),
-                    (x + 0.5, y + 0.5, a + b + 1 == fine),
-                ];
+                let middles =
+                    [(x + 0.5, y, b == 0), (x, y + 0.5, a == 0), (x + 0.5, y + 0.5, a + b + 1 == fine)];
                 for (x, y, is_border) in middles {
                     let weight = if is_border { share } else { 2.0 * share };
                     self.add_by_hats(x * scale, y * scale, weight);
@@ -182,7 +179,12 @@ impl<'a> FaceView<'a> {
         let (i, j) = (x as u32, y as u32);
         let (x, y) = (x - i as f32, y - j as f32);
         let corners = if !self.is_triangle {
-            [(i, j, (1.0 - x) * (1.0 - y)), (i + 1, j, x * (1.0 - y)), (i, j + 1, (1.0 - x) * y), (i + 1, j + 1, x * y)]
+            [
+                (i, j, (1.0 - x) * (1.0 - y)),
+                (i + 1, j, x * (1.0 - y)),
+                (i, j + 1, (1.0 - x) * y),
+                (i + 1, j + 1, x * y),
+            ]
         } else if x + y <= 1.0 {
             [(i, j, 1.0 - x - y), (i + 1, j, x), (i, j + 1, y), (i, j, 0.0)]
         } else {
