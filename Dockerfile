@@ -1,4 +1,3 @@
-# syntax=docker/dockerfile:1
 # The service as an image: one binary, a software Vulkan driver for the preview, no root, no shell needed.
 #
 #   docker build -t meshcolor .

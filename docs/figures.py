@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 """Prints the tables of docs/figures.md from finished bundles (Python's standard library alone).
 
-  docs/figures.py NAME=DIR...           prints the tables of each bundle
-  docs/figures.py --write NAME=DIR...   puts them into docs/figures.md, between the marks of that name
-  docs/figures.py --times NAME=DIR...   the same with the times of run.json, which no two runs share
+  docs/figures.py DIR...            prints the tables of each bundle
+  docs/figures.py --times DIR...    the same with the times of run.json, which no two runs share
 
 DIR holds report.json (and run.json), as `meshcolor convert MODEL -o DIR` leaves them.
 """
@@ -11,8 +10,6 @@ DIR holds report.json (and run.json), as `meshcolor convert MODEL -o DIR` leaves
 import json
 import pathlib
 import sys
-
-PAGE = pathlib.Path(__file__).with_name("figures.md")
 
 
 def table(heading, rows):
@@ -137,26 +134,12 @@ def page(folder, with_times):
     return "\n".join(f"### {title}\n\n{text}" for title, text in parts)
 
 
-def put(name, text):
-    start, end = f"<!-- figures {name} -->\n", f"<!-- end {name} -->\n"
-    head, found, rest = PAGE.read_text().partition(start)
-    _, closed, tail = rest.partition(end)
-    if not found or not closed:
-        sys.exit(f"{PAGE} has no marks for {name}")
-    PAGE.write_text(f"{head}{start}\n{text}\n{end}{tail}")
-
-
 def main(arguments):
     flags = {argument for argument in arguments if argument.startswith("--")}
-    named = [argument.partition("=") for argument in arguments if argument not in flags]
-    if not named or flags - {"--write", "--times"} or not all(folder for _, _, folder in named):
+    folders = [argument for argument in arguments if argument not in flags]
+    if not folders or flags - {"--times"}:
         sys.exit(__doc__)
-    for name, _, folder in named:
-        text = page(pathlib.Path(folder), "--times" in flags)
-        if "--write" in flags:
-            put(name, text)
-        else:
-            print(text)
+    print("\n".join(page(pathlib.Path(folder), "--times" in flags) for folder in folders), end="")
 
 
 if __name__ == "__main__":

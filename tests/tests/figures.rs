@@ -1,40 +1,35 @@
-//! The tables of `docs/figures.md` are what a conversion gives today.
+//! The tables of `docs/figures.md`, and one of the README, are what conversions give today.
 
 use std::fs;
 use std::process::Command;
 
+use meshcolor::measure::{LevelReport, Report};
 use meshcolor::pipeline::{Options, convert};
 use meshcolor::read::{Limits, MemoryFiles, Upload};
 use meshcolor::watch::Unwatched;
-use meshcolor_tests::repository::{file, root};
+use meshcolor_tests::repository::{hold, markdown, root};
 use meshcolor_tests::{models, requires_tools};
 
-/// Converts, has the script print the report's tables, and compares them with the page.
-fn compare(name: &str, upload: &Upload) {
+/// Converts, has the script print the report's tables, and holds the page against them.
+fn compare(name: &str, upload: &Upload) -> Report {
     let conversion = convert(upload, &Options::default(), &Limits::default(), &Unwatched).unwrap();
     let report = conversion.files.iter().find(|file| file.path == "report.json").unwrap();
     let folder = std::env::temp_dir().join(format!("meshcolor-figures-{name}-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
     fs::write(folder.join("report.json"), &report.bytes).unwrap();
-    let script = root().join("docs/figures.py");
-    let printed = Command::new("python3").arg(script).arg(format!("{name}={}", folder.display())).output();
+    let printed = Command::new("python3").arg(root().join("docs/figures.py")).arg(&folder).output();
     fs::remove_dir_all(&folder).unwrap();
-    let Ok(printed) = printed else {
-        assert!(!requires_tools(), "python3 is missing");
-        return println!("skipped: {name} (no python3)");
-    };
-    assert!(printed.status.success(), "{}", String::from_utf8_lossy(&printed.stderr));
-    let printed = String::from_utf8(printed.stdout).unwrap();
-    let page = file("docs/figures.md");
-    let [start, end] = [format!("<!-- figures {name} -->\n\n"), format!("\n<!-- end {name} -->\n")];
-    let shown = page.split_once(&start).and_then(|(_, rest)| rest.split_once(&end)).map(|(shown, _)| shown);
-    let shown = shown.unwrap_or_else(|| panic!("docs/figures.md has no marks for {name}"));
-    let first = (shown.trim_end().lines().zip(printed.trim_end().lines())).find(|(shown, now)| shown != now);
-    assert!(
-        shown.trim_end() == printed.trim_end(),
-        "docs/figures.md is stale for {name}, first at (there, now) {first:#?}; \
-         write it anew with the commands at its head"
-    );
+    match printed {
+        Ok(printed) => {
+            assert!(printed.status.success(), "{}", String::from_utf8_lossy(&printed.stderr));
+            hold("docs/figures.md", &format!("figures {name}"), &String::from_utf8(printed.stdout).unwrap());
+        }
+        Err(_) => {
+            assert!(!requires_tools(), "python3 is missing");
+            println!("skipped: {name} (no python3)");
+        }
+    }
+    conversion.report
 }
 
 #[test]
@@ -62,5 +57,17 @@ fn spot_with_quads() {
 #[test]
 fn damaged_helmet() {
     let Some(bytes) = models::bytes("DamagedHelmet.glb") else { return };
-    compare("DamagedHelmet", &Upload::single("DamagedHelmet.glb", bytes));
+    let report = compare("DamagedHelmet", &Upload::single("DamagedHelmet.glb", bytes));
+    let color = report.channels.iter().find(|channel| channel.slots == ["baseColorTexture"]).unwrap();
+    let row = |title: &str, figure: &dyn Fn(&LevelReport) -> Option<f64>| {
+        let figures =
+            color.levels.iter().map(|level| figure(level).map_or_else(String::new, |f| format!("{f:.1}")));
+        std::iter::once(title.to_owned()).chain(figures).collect::<Vec<_>>()
+    };
+    let source = |level: &LevelReport| level.source.and_then(|source| source.drift);
+    let rows = [row("ordinary mip maps", &source), row("converted", &|level| level.drift)];
+    let levels = color.levels.iter().map(|level| level.level.to_string());
+    let heading: Vec<String> = std::iter::once("level".to_owned()).chain(levels).collect();
+    let heading: Vec<&str> = heading.iter().map(String::as_str).collect();
+    hold("README.md", "helmet", &markdown(&heading, rows.into_iter()));
 }

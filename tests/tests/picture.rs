@@ -1,6 +1,6 @@
 //! The README's picture is what the demo draws today: its sheet by the CPU renderer, made smaller.
 //!
-//! To write it anew: `MESHCOLOR_WRITE_PICTURE=1 cargo test --release -p meshcolor-tests --test picture`.
+//! With `MESHCOLOR_WRITE_DOCS=1` it is written anew.
 
 use std::env;
 use std::fs;
@@ -12,7 +12,7 @@ use image::{ImageEncoder, RgbImage};
 use meshcolor::pipeline::{Options, convert};
 use meshcolor::read::{Limits, Upload};
 use meshcolor::watch::Unwatched;
-use meshcolor_tests::repository::root;
+use meshcolor_tests::repository::{root, writes_documents};
 
 const PATH: &str = "docs/sheet.png";
 const WIDTH: u32 = 880;
@@ -47,7 +47,7 @@ fn draw_and_compare() {
     let height = full.height() * WIDTH / full.width();
     let drawn = imageops::resize(&full, WIDTH, height, imageops::FilterType::Lanczos3);
     let path = root().join(PATH);
-    if env::var_os("MESHCOLOR_WRITE_PICTURE").is_some_and(|value| value == "1") {
+    if writes_documents() {
         fs::write(&path, png(&drawn)).unwrap();
     }
     let committed = fs::read(&path).unwrap();
