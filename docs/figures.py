@@ -2,7 +2,7 @@
 """Prints the tables of docs/figures.md from finished bundles (Python's standard library alone).
 
   docs/figures.py DIR...            prints the tables of each bundle
-  docs/figures.py --times DIR...    the same with the times of run.json, which no two runs share
+  docs/figures.py --times DIR...    prints the times and the memory of each, which no two runs share
 
 DIR holds report.json (and run.json), as `meshcolor convert MODEL -o DIR` leaves them.
 """
@@ -116,12 +116,12 @@ def times(run):
              number(stage["peak_memory_bytes"] / 2**20, 0)] for stage in run["stages"]]
     rows.append(["all", number(run["cpu_seconds"], 2), number(run["cpu_seconds"] / yardstick, 1),
                  number(run["peak_memory_bytes"] / 2**20, 0)])
-    told = f"Decoding the source's images plus encoding the level images: {yardstick:.2f} CPU seconds. "
-    told += f"{run['thread_count']} threads, {run['seconds']:.1f} seconds from start to end.\n\n"
+    told = f"Decoding the source's images plus encoding the level images took {yardstick:.2f} CPU seconds, "
+    told += f"the whole conversion {run['seconds']:.1f} seconds on {run['thread_count']} threads.\n\n"
     return told + table(["stage", "CPU seconds", "ratio", "peak memory, MiB"], rows)
 
 
-def page(folder, with_times):
+def page(folder):
     report = json.loads((folder / "report.json").read_text())
     channels = report["channels"]
     parts = [("Seams and drift", "\n".join(map(seams, channels))), ("Cuts", cuts(channels)),
@@ -129,8 +129,6 @@ def page(folder, with_times):
              ("Layout", layout(report["layouts"])), ("Growth", growth(report["growth"]))]
     if not any(channel["solver"] for channel in channels):
         parts[3] = (parts[3][0], "Nothing: no texel was out of range.\n")
-    if with_times:
-        parts.append(("Time and memory", times(json.loads((folder / "run.json").read_text()))))
     return "\n".join(f"### {title}\n\n{text}" for title, text in parts)
 
 
@@ -139,7 +137,8 @@ def main(arguments):
     folders = [argument for argument in arguments if argument not in flags]
     if not folders or flags - {"--times"}:
         sys.exit(__doc__)
-    print("\n".join(page(pathlib.Path(folder), "--times" in flags) for folder in folders), end="")
+    for folder in map(pathlib.Path, folders):
+        print(times(json.loads((folder / "run.json").read_text())) if flags else page(folder), end="")
 
 
 if __name__ == "__main__":
