@@ -1,6 +1,7 @@
 //! What the black-box tests share.
 
 pub mod models;
+pub mod repository;
 pub mod validator;
 
 /// Whether a missing tool is a failure: `tests/run` says so, because it has installed them.
