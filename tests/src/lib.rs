@@ -1,5 +1,6 @@
 //! What the black-box tests share.
 
+pub mod cases;
 pub mod models;
 pub mod validator;
 
