@@ -6,6 +6,7 @@
 //! three components of each sample, since frames mix them.
 
 use glam::Mat3;
+use rayon::prelude::*;
 
 use crate::colors::Tap;
 use crate::layout::{Block, BlockKind};
@@ -13,9 +14,10 @@ use crate::layout::{Block, BlockKind};
 use super::paint::{BeyondCell, corner_weights};
 use super::{LevelChannel, corner_point, from_right_angle};
 
-/// Rows in the order of blocks; terms of a row name each variable once.
+/// Rows in the order of blocks; terms of a row name each variable once, by its number in `variables`.
 #[derive(Clone, Debug, Default)]
 pub struct Rules {
+    variables: Vec<u32>,
     first_term: Vec<u32>,
     terms: Vec<(u32, f32)>,
     constants: Vec<f32>,
@@ -30,6 +32,11 @@ impl Rules {
 
     pub fn is_empty(&self) -> bool {
         self.constants.is_empty()
+    }
+
+    /// What the terms are about, ascending: samples, or `3 * sample + component` of normals.
+    pub fn variables(&self) -> &[u32] {
+        &self.variables
     }
 
     pub fn group_count(&self) -> usize {
@@ -50,9 +57,21 @@ impl Rules {
         self.constants[row]
     }
 
-    /// `(variable, weight)` of a row.
+    /// `(number of the variable, weight)` of a row.
     pub fn terms(&self, row: usize) -> &[(u32, f32)] {
         &self.terms[self.first_term[row] as usize..self.first_term[row + 1] as usize]
+    }
+
+    /// From here on terms name variables by their place among those that occur.
+    fn number_variables(&mut self) {
+        let mut variables: Vec<u32> = self.terms.iter().map(|term| term.0).collect();
+        variables.par_sort_unstable();
+        variables.dedup();
+        self.terms.par_iter_mut().for_each(|term| {
+            // Every variable was just collected from the terms.
+            term.0 = variables.partition_point(|&known| known < term.0) as u32;
+        });
+        self.variables = variables;
     }
 
     fn push(&mut self, terms: &[(u32, f32)], constant: f32) {
@@ -94,6 +113,7 @@ pub fn rules(channel: &LevelChannel<'_>) -> Rules {
             }
         }
     }
+    builder.rules.number_variables();
     builder.rules
 }
 

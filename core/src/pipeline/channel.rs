@@ -13,7 +13,7 @@ use crate::math::transfer::linear_to_srgb;
 use crate::measure::SolverReport;
 use crate::mesh::CanvasMesh;
 use crate::mip::{coarsen, coverage, keep_coverage};
-use crate::solve::{Problem, Solution, solve};
+use crate::solve::{Problem, Solution, solve, violated_count};
 use crate::source::SourceChannel;
 use crate::watch::{self, Stage, Watch};
 
@@ -127,44 +127,57 @@ fn represent(
     solver: Solver,
     watch: &dyn Watch,
 ) -> Result<Option<SolverReport>> {
-    let areas = sample_areas(channel.numbering);
-    let mean = areas.iter().map(|&a| f64::from(a)).sum::<f64>() / areas.len() as f64;
-    // A mesh without any area still has a mean to divide by.
-    let mean = if mean > 0.0 { mean } else { 1.0 };
-    let weights: Vec<f64> = areas.iter().map(|&area| (f64::from(area) / mean).max(WEIGHT_FLOOR)).collect();
     let systems = if channel.frames.is_some() { vec![System::Normals] } else { System::components(channel) };
-    let before = values.to_vec();
-    let solutions: Vec<Solution> = (systems.par_iter())
-        .map(|system| {
-            let wanted = system.gather(&before);
-            let repeat = system.variables_per_sample();
-            let weights: Vec<f64> = weights.iter().flat_map(|&w| std::iter::repeat_n(w, repeat)).collect();
+    let wanted: Vec<Vec<f64>> = systems.par_iter().map(|system| system.gather(rules, values)).collect();
+    if wanted.iter().all(|wanted| violated_count(rules, wanted) == 0) {
+        return Ok(None);
+    }
+    let weights = weights(channel, rules);
+    let solutions: Vec<Solution> = (systems.par_iter().zip(&wanted))
+        .map(|(system, wanted)| {
             let is_stored = *system != System::Normals;
             let center = if is_stored { 0.5 } else { 0.0 };
-            let problem = Problem { rules, wanted: &wanted, weights: &weights, center, is_stored };
+            let problem = Problem { rules, wanted, weights: &weights, center, is_stored };
             solve(&problem, solver == Solver::Global, &|| watch.canceled())
         })
         .collect();
     watch::check(watch)?;
+    let before = samples_of(channel, rules, values);
     for (system, solution) in systems.iter().zip(&solutions) {
-        system.scatter(&solution.values, values);
+        system.scatter(rules, &solution.values, values);
     }
-    let violated_count = solutions.iter().map(|solution| solution.violated_count).sum();
-    if violated_count == 0 {
-        return Ok(None);
-    }
-    let (change_mean_codes, change_max_codes) = changes(channel, &before, values);
+    let after = samples_of(channel, rules, values);
+    let (change_sum_codes, change_max_codes) = changes(channel, &before, &after);
     Ok(Some(SolverReport {
         level: channel.numbering.level as u32,
         row_count: (rules.len() * systems.len()) as u64,
-        violated_count,
+        violated_count: solutions.iter().map(|solution| solution.violated_count).sum(),
         iteration_count: solutions.iter().map(|solution| solution.step_count).max().unwrap_or(0),
         residual: largest(&solutions, |solution| solution.residual),
         dual_residual: largest(&solutions, |solution| solution.dual_residual),
         complementarity: largest(&solutions, |solution| solution.complementarity),
-        change_mean_codes,
+        change_mean_codes: change_sum_codes / values.len() as f64,
         change_max_codes,
     }))
+}
+
+/// The weight of each variable's change: the surface area of its sample, 1 in the mean over all samples.
+fn weights(channel: &LevelChannel<'_>, rules: &Rules) -> Vec<f64> {
+    let areas = sample_areas(channel.numbering);
+    let mean = areas.iter().map(|&area| f64::from(area)).sum::<f64>() / areas.len() as f64;
+    // A mesh without any area still has a mean to divide by.
+    let mean = if mean > 0.0 { mean } else { 1.0 };
+    let weight = |sample: u32| (f64::from(areas[sample as usize]) / mean).max(WEIGHT_FLOOR);
+    let per_sample = if channel.frames.is_some() { 3 } else { 1 };
+    rules.variables().iter().map(|variable| weight(variable / per_sample)).collect()
+}
+
+/// The values of the samples that rules are about.
+fn samples_of(channel: &LevelChannel<'_>, rules: &Rules, values: &[Vec4]) -> Vec<Vec4> {
+    let per_sample = if channel.frames.is_some() { 3 } else { 1 };
+    let mut samples: Vec<u32> = rules.variables().iter().map(|variable| variable / per_sample).collect();
+    samples.dedup();
+    samples.into_iter().map(|sample| values[sample as usize]).collect()
 }
 
 fn largest(solutions: &[Solution], figure: impl Fn(&Solution) -> f64) -> f64 {
@@ -191,37 +204,27 @@ impl System {
         stored.iter().map(|&component| System::Component(component)).collect()
     }
 
-    fn variables_per_sample(self) -> usize {
+    /// The values of the rules' variables.
+    fn gather(self, rules: &Rules, values: &[Vec4]) -> Vec<f64> {
+        let variables = rules.variables().iter().map(|&variable| variable as usize);
         match self {
-            System::Component(_) => 1,
-            System::Normals => 3,
+            System::Component(k) => variables.map(|sample| f64::from(values[sample][k])).collect(),
+            System::Normals => variables.map(|at| f64::from(values[at / 3][at % 3])).collect(),
         }
     }
 
-    fn gather(self, values: &[Vec4]) -> Vec<f64> {
-        match self {
-            System::Component(k) => values.iter().map(|value| f64::from(value[k])).collect(),
-            System::Normals => {
-                values.iter().flat_map(|value| value.xyz().to_array().map(f64::from)).collect()
-            }
-        }
-    }
-
-    fn scatter(self, solved: &[f64], values: &mut [Vec4]) {
-        match self {
-            System::Component(k) => {
-                values.iter_mut().zip(solved).for_each(|(value, &solved)| value[k] = solved as f32);
-            }
-            System::Normals => {
-                for (value, solved) in values.iter_mut().zip(solved.chunks_exact(3)) {
-                    *value = Vec4::new(solved[0] as f32, solved[1] as f32, solved[2] as f32, 1.0);
-                }
+    fn scatter(self, rules: &Rules, solved: &[f64], values: &mut [Vec4]) {
+        for (&variable, &value) in rules.variables().iter().zip(solved) {
+            let variable = variable as usize;
+            match self {
+                System::Component(k) => values[variable][k] = value as f32,
+                System::Normals => values[variable / 3][variable % 3] = value as f32,
             }
         }
     }
 }
 
-/// Mean and largest change of a sample in codes, the largest component counting.
+/// Sum and maximum of the samples' changes in codes, the largest component counting.
 fn changes(channel: &LevelChannel<'_>, before: &[Vec4], after: &[Vec4]) -> (f64, f64) {
     let is_color = channel.codec.transfer == Transfer::Srgb;
     let encode = |value: Vec4| {
@@ -239,5 +242,5 @@ fn changes(channel: &LevelChannel<'_>, before: &[Vec4], after: &[Vec4]) -> (f64,
         sum += change;
         max = max.max(change);
     }
-    (sum / before.len() as f64, max)
+    (sum, max)
 }

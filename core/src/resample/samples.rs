@@ -120,63 +120,79 @@ impl<'a> FaceView<'a> {
         }
     }
 
-    /// Strata along a side of a cell: one for each source texel.
+    /// Strata along a side of a cell: one for each source texel, by area.
     fn strata(&self) -> u32 {
-        let places = self.source.places(self.face);
-        let count = self.numbering.canvas.faces[self.face].count();
-        let longest = (0..count).map(|k| places[k].distance(places[(k + 1) % count])).fold(0.0, f32::max);
-        (longest / self.segments as f32).round().clamp(1.0, STRATA_MAX) as u32
+        let [a, b, c, d] = *self.source.places(self.face);
+        // Twice the area of a triangle, that of a quad: what `segments²` cells share.
+        let area = if self.is_triangle { (b - a).perp_dot(c - a) } else { 0.5 * (c - a).perp_dot(d - b) };
+        (area.abs().sqrt() / self.segments as f32).round().clamp(1.0, STRATA_MAX) as u32
     }
 
     fn integrate_cells(&mut self) {
         let strata = self.strata();
-        for j in 0..self.segments {
-            for i in 0..self.row_end(j) {
-                if self.is_triangle {
-                    self.integrate_triangle_cell([i, j], 1, strata);
-                    if i + j + 2 <= self.segments {
-                        self.integrate_triangle_cell([i + 1, j + 1], -1, strata);
-                    }
-                } else {
-                    self.integrate_quad_cell(i, j, strata);
+        if self.is_triangle {
+            self.integrate_triangle(strata);
+        } else {
+            self.integrate_quad(strata);
+        }
+    }
+
+    /// Middles of the edges of small triangles, a third of the area each: exact where the source is linear
+    /// over them, since a hat is too. Every edge belongs to one triangle that opens along `+i, +j`, and inside
+    /// the face to another one that opens against it.
+    fn integrate_triangle(&mut self, strata: u32) {
+        let fine = self.segments * strata;
+        let scale = 1.0 / strata as f32;
+        let share = scale * scale / 3.0;
+        for b in 0..fine {
+            for a in 0..fine - b {
+                let (x, y) = (a as f32, b as f32);
+                let middles =
+                    [(x + 0.5, y, b == 0), (x, y + 0.5, a == 0), (x + 0.5, y + 0.5, a + b + 1 == fine)];
+                for (x, y, is_border) in middles {
+                    let weight = if is_border { share } else { 2.0 * share };
+                    self.add_by_hats(x * scale, y * scale, weight);
                 }
             }
         }
     }
 
-    /// The small triangle at `at` that opens along `+i, +j` (`way` 1) or `-i, -j` (`way` -1): values at the
-    /// centroids of its strata go to its three corners by their barycentrics.
-    fn integrate_triangle_cell(&mut self, at: [u32; 2], way: i32, strata: u32) {
-        let step = way as f32 / strata as f32;
-        let share = 1.0 / (strata * strata) as f32;
-        let neighbor = |from: u32| (from as i32 + way) as u32;
-        for b in 0..strata {
-            for a in 0..strata - b {
-                for (turned, third) in [(false, 1.0 / 3.0), (true, 2.0 / 3.0)] {
-                    if turned && a + b + 2 > strata {
-                        continue;
-                    }
-                    let (x, y) = ((a as f32 + third) * step, (b as f32 + third) * step);
-                    let value = self.fetch(at[0] as f32 + x, at[1] as f32 + y);
-                    let (x, y) = (x.abs(), y.abs());
-                    self.add(at[0], at[1], value, (1.0 - x - y) * share);
-                    self.add(neighbor(at[0]), at[1], value, x * share);
-                    self.add(at[0], neighbor(at[1]), value, y * share);
+    /// Two Gauss points along each axis of each stratum.
+    fn integrate_quad(&mut self, strata: u32) {
+        /// Half of 1 - 1/sqrt(3).
+        const GAUSS: f32 = 0.211_324_87;
+        let fine = self.segments * strata;
+        let scale = 1.0 / strata as f32;
+        let points = [GAUSS, 1.0 - GAUSS];
+        for b in 0..fine {
+            for a in 0..fine {
+                for (x, y) in points.iter().flat_map(|y| points.map(|x| (x, *y))) {
+                    self.add_by_hats((a as f32 + x) * scale, (b as f32 + y) * scale, 0.25 * scale * scale);
                 }
             }
         }
     }
 
-    fn integrate_quad_cell(&mut self, i: u32, j: u32, strata: u32) {
-        let share = 1.0 / (strata * strata) as f32;
-        for b in 0..strata {
-            for a in 0..strata {
-                let (x, y) = ((a as f32 + 0.5) / strata as f32, (b as f32 + 0.5) / strata as f32);
-                let value = self.fetch(i as f32 + x, j as f32 + y);
-                self.add(i, j, value, (1.0 - x) * (1.0 - y) * share);
-                self.add(i + 1, j, value, x * (1.0 - y) * share);
-                self.add(i, j + 1, value, (1.0 - x) * y * share);
-                self.add(i + 1, j + 1, value, x * y * share);
+    /// Fetches the source at grid coordinates and hands it to the samples whose hats cover the place.
+    fn add_by_hats(&mut self, x: f32, y: f32, weight: f32) {
+        let value = self.fetch(x, y);
+        let (i, j) = (x as u32, y as u32);
+        let (x, y) = (x - i as f32, y - j as f32);
+        let corners = if !self.is_triangle {
+            [
+                (i, j, (1.0 - x) * (1.0 - y)),
+                (i + 1, j, x * (1.0 - y)),
+                (i, j + 1, (1.0 - x) * y),
+                (i + 1, j + 1, x * y),
+            ]
+        } else if x + y <= 1.0 {
+            [(i, j, 1.0 - x - y), (i + 1, j, x), (i, j + 1, y), (i, j, 0.0)]
+        } else {
+            [(i + 1, j + 1, x + y - 1.0), (i, j + 1, 1.0 - x), (i + 1, j, 1.0 - y), (i, j, 0.0)]
+        };
+        for (i, j, hat) in corners {
+            if hat > 0.0 {
+                self.add(i, j, value, hat * weight);
             }
         }
     }

@@ -61,6 +61,21 @@ pub fn solve(problem: &Problem<'_>, moves: bool, canceled: &(dyn Fn() -> bool + 
     Solution { values, violated_count, step_count, residual, dual_residual, complementarity }
 }
 
+/// Rules that values break by more than the tolerance.
+pub fn violated_count(rules: &Rules, values: &[f64]) -> u64 {
+    (0..rules.len()).filter(|&row| violation(row_value(rules, row, values)) > TOLERANCE).count() as u64
+}
+
+fn row_value(rules: &Rules, row: usize, values: &[f64]) -> f64 {
+    let terms = rules.terms(row).iter();
+    let sum: f64 = terms.map(|&(variable, weight)| values[variable as usize] * f64::from(weight)).sum();
+    sum + f64::from(rules.constant(row))
+}
+
+fn violation(value: f64) -> f64 {
+    (-value).max(value - 1.0).max(0.0)
+}
+
 struct State<'a> {
     problem: &'a Problem<'a>,
     values: Vec<f64>,
@@ -111,15 +126,10 @@ impl<'a> State<'a> {
 
     fn violation(&self, row: usize) -> f64 {
         let rules = self.problem.rules;
-        let value = match row.checked_sub(rules.len()) {
+        violation(match row.checked_sub(rules.len()) {
             Some(variable) => self.values[variable],
-            None => {
-                let terms = rules.terms(row).iter();
-                let sum: f64 = terms.map(|&(v, weight)| self.values[v as usize] * f64::from(weight)).sum();
-                sum + f64::from(rules.constant(row))
-            }
-        };
-        (-value).max(value - 1.0).max(0.0)
+            None => row_value(rules, row, &self.values),
+        })
     }
 
     /// Takes in the groups that are violated and not yet in. Returns whether there were any.

@@ -192,17 +192,24 @@ impl<'a> Iterate<'a> {
         let reach = self.reach(&predictor);
         let mean_ahead = self.complementarity_ahead(&predictor, reach);
         let centering = (mean_ahead / mean).powi(3) * mean;
-        let corrected = [0, 1].map(|side| {
-            (0..products[side].len())
-                .map(|row| {
-                    let second_order = predictor.slack[side][row] * predictor.multipliers[side][row];
-                    products[side][row] + second_order - centering
-                })
-                .collect::<Vec<f64>>()
-        });
-        let direction = self.direction(&factor, &gradient, &corrected);
-        let length = (CAUTION * self.reach(&direction)).min(1.0);
-        if !(length > 1e-9) || direction.values.iter().any(|d| !d.is_finite()) {
+        let toward = |second_order: f64, mean: f64| {
+            [0, 1].map(|side| {
+                let products = products[side].iter().enumerate();
+                let one = |(row, product): (usize, &f64)| {
+                    let bend = predictor.slack[side][row] * predictor.multipliers[side][row];
+                    product + second_order * bend - mean
+                };
+                products.map(one).collect::<Vec<f64>>()
+            })
+        };
+        let mut direction = self.direction(&factor, &gradient, &toward(1.0, centering));
+        let mut length = (CAUTION * self.reach(&direction)).min(1.0);
+        if self.complementarity_ahead(&direction, length) > (1.0 - 0.1 * length) * mean {
+            // The corrector can run in circles; the plain path to a fifth of the mean cannot.
+            direction = self.direction(&factor, &gradient, &toward(0.0, 0.2 * mean));
+            length = (CAUTION * self.reach(&direction)).min(1.0);
+        }
+        if length.is_nan() || length < 1e-9 || direction.values.iter().any(|d| !d.is_finite()) {
             return false;
         }
         self.advance(&direction, length);

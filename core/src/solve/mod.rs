@@ -14,4 +14,4 @@ mod interior;
 #[cfg(test)]
 mod tests;
 
-pub use global::{Problem, Solution, TOLERANCE, solve};
+pub use global::{Problem, Solution, TOLERANCE, solve, violated_count};

@@ -1,6 +1,8 @@
 //! The HTTP API: one file for each resource with its routes, types and handlers. The OpenAPI document is
 //! made of the same declarations.
 
+#![allow(clippy::result_large_err, reason = "a problem is made once for a refused request")]
+
 mod convert;
 mod events;
 mod extract;

@@ -119,7 +119,7 @@ impl JobOptions {
             Some(Value::Bool(preview)) => preview,
             Some(other) => return Err(refused_preview(&other.to_string())),
         };
-        let conversion = Options::from_json(&rest).map_err(|error| with_preview_named(error))?;
+        let conversion = Options::from_json(&rest).map_err(with_preview_named)?;
         Ok(Self { conversion, preview })
     }
 

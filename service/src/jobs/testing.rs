@@ -88,6 +88,7 @@ fn succeed(task: &Task<'_>) -> Result<JobResult, RunError> {
 pub struct Scratch(pub PathBuf);
 
 impl Scratch {
+    #[allow(clippy::new_without_default)]
     pub fn new() -> Self {
         let path = std::env::temp_dir().join(format!("meshcolor-test-{}", uuid::Uuid::new_v4().simple()));
         fs::create_dir_all(&path).unwrap();

@@ -67,7 +67,7 @@ async fn malformed_uploads_are_refused_with_their_reason_and_leave_nothing() {
             400,
             "malformed_multipart",
         ),
-        (MULTIPART, multipart(&vec![(r#"name="files"; filename="a""#, ""); 2]), 400, "malformed_multipart"),
+        (MULTIPART, multipart(&[(r#"name="files"; filename="a""#, ""); 2]), 400, "malformed_multipart"),
         ("text/html", "ok".into(), 415, "unsupported_media_type"),
         ("", "ok".into(), 415, "unsupported_media_type"),
         ("model/gltf-binary", String::new(), 400, "missing_part"),

@@ -8,6 +8,7 @@ use crate::jobs::testing::{Scratch, Scripted};
 struct Bench {
     scratch: Scratch,
     runner: Arc<Scripted>,
+    store: Arc<SqliteStore>,
     queue: Arc<Queue>,
 }
 
@@ -16,14 +17,14 @@ async fn start(scratch: Scratch, worker_count: usize) -> Bench {
     let folder = Arc::new(DataFolder::open(&scratch.0).unwrap());
     let store = Arc::new(SqliteStore::open(&folder.database()).await.unwrap());
     let parts = QueueParts {
-        store,
+        store: store.clone(),
         folder,
         runner: runner.clone(),
         limits: meshcolor::read::Limits::default(),
         queue_max: 1000,
         worker_count,
     };
-    Bench { scratch, runner, queue: Queue::start(parts).await.unwrap() }
+    Bench { scratch, runner, store, queue: Queue::start(parts).await.unwrap() }
 }
 
 impl Bench {
@@ -69,6 +70,8 @@ impl Bench {
         while Arc::strong_count(&self.queue.folder) > 1 || Arc::strong_count(&self.queue) > 1 {
             sleep(Duration::from_millis(2)).await;
         }
+        // A statement whose caller is gone is still carried out; a dead process has none of these.
+        self.store.close().await;
         self.scratch
     }
 }
