@@ -34,6 +34,18 @@ impl Rules {
         self.constants.is_empty()
     }
 
+    /// Rules given row by row, each a group of its own, for tests of what deals with rules.
+    #[cfg(test)]
+    pub fn from_rows(rows: &[(&[(u32, f32)], f32)]) -> Self {
+        let mut rules = Self::default();
+        for (terms, constant) in rows {
+            rules.push(terms, *constant);
+            rules.end_group();
+        }
+        rules.number_variables();
+        rules
+    }
+
     /// What the terms are about, ascending: samples, or `3 * sample + component` of normals.
     pub fn variables(&self) -> &[u32] {
         &self.variables

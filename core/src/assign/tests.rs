@@ -1,1 +1,168 @@
+use glam::{Vec2, Vec3, Vec4};
 
+use super::paint::corner_weights;
+use super::{Codec, LevelChannel, NormalFrames, choose_frames, paint, rules};
+use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions};
+use crate::image::{Image, Transfer, Wrap, WrapMode, bilinear};
+use crate::layout::{Layout, LayoutRequest, arrange};
+use crate::math::transfer::{linear_to_srgb, srgb_to_linear};
+use crate::mesh::{CanvasMesh, Polygons, build};
+use crate::watch::Unwatched;
+
+const DATA16: Codec = Codec { transfer: Transfer::Linear, components: 3, bits: 16 };
+const CLAMP: Wrap = Wrap { s: WrapMode::ClampToEdge, t: WrapMode::ClampToEdge };
+
+#[test]
+fn codes_survive_decoding_and_encoding() {
+    for transfer in [Transfer::Srgb, Transfer::Linear] {
+        let codec = Codec { transfer, components: 4, bits: 8 };
+        for code in 0..=255u16 {
+            let codes = [code, 255 - code, code, code];
+            assert_eq!(codec.encode(codec.decode(codes)), codes);
+        }
+        let deep = Codec { transfer, components: 2, bits: 16 };
+        for code in (0..=65535u16).step_by(97) {
+            let codes = [code, 65535 - code, 0, 0];
+            assert_eq!(deep.encode(deep.decode(codes)), codes);
+        }
+    }
+}
+
+/// Encoding takes the nearest code in the encoded scale, and clamps what is out of range.
+#[test]
+fn encoding_is_nearest() {
+    let codec = Codec { transfer: Transfer::Srgb, components: 1, bits: 8 };
+    for step in 0..=20_000 {
+        let value = (step as f32 / 20_000.0).powi(3);
+        let code = codec.encode(Vec4::splat(value))[0];
+        let exact = linear_to_srgb(value) * 255.0;
+        assert!((f32::from(code) - exact).abs() <= 0.501, "{value} became {code}, not {exact}");
+    }
+    assert_eq!(codec.encode(Vec4::splat(-3.0))[0], 0);
+    assert_eq!(codec.encode(Vec4::splat(7.0))[0], 255);
+    assert!((srgb_to_linear(0.5) - codec.decode([128, 0, 0, 0]).x).abs() < 0.005);
+}
+
+struct Case {
+    canvas: CanvasMesh,
+    resolutions: Resolutions,
+    layout: Layout,
+}
+
+/// A lone triangle beside a quad, the triangle's diagonal on the edge that they share.
+fn triangle_and_quad(exponents: [u8; 2], levels: usize) -> Case {
+    let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(2.0, 1.0, 0.0), Vec3::new(1.0, 2.0, 0.0)];
+    let mut faces = [([0, 1, 2, 0], 3), ([1, 3, 4, 2], 4)].into_iter();
+    let canvas = build([Polygons { mesh: 0, primitive: 0, positions: &positions, faces: &mut faces }]);
+    let resolutions = Resolutions { faces: exponents.to_vec() };
+    let layout = arrange(&LayoutRequest {
+        canvas: &canvas,
+        resolutions: &resolutions,
+        mergeable: &vec![false; canvas.edges.len()],
+        diagonals: &[1, 0],
+        level_count: levels,
+        side_limit: 1024,
+    });
+    Case { layout: layout.unwrap(), canvas, resolutions }
+}
+
+fn painted(case: &Case, level: usize, value: impl Fn(usize) -> f32) -> (Image, Vec<Vec4>, usize) {
+    let cuts = Cuts::none(&case.canvas);
+    let topology = ChannelTopology::new(&case.canvas, &case.resolutions, &cuts);
+    let numbering = LevelNumbering::new(&case.canvas, &topology, &case.resolutions, level);
+    let channel = LevelChannel {
+        layout: &case.layout,
+        numbering: &numbering,
+        cuts: &cuts,
+        codec: DATA16,
+        frames: None,
+    };
+    let values: Vec<Vec4> = (0..numbering.sample_count()).map(|k| Vec4::splat(value(k))).collect();
+    let row_count = rules(&channel).len();
+    (paint(&channel, &values, &Unwatched).unwrap(), values, row_count)
+}
+
+fn at(case: &Case, image: &Image, level: usize, face: usize, weights: &[(usize, f32)]) -> f32 {
+    let scaled: Vec2 =
+        weights.iter().map(|&(corner, weight)| case.layout.scaled(face, corner) * weight).sum();
+    let place = scaled / (level as f32).exp2() + case.layout.offset(face);
+    bilinear(image, Transfer::Linear, CLAMP, place).x
+}
+
+/// MCT equation 1: along the diagonal the bilinear value depends on the two edge samples alone, so the quad,
+/// which has the edge on a side, reads the same.
+#[test]
+fn a_diagonal_reads_like_the_side_of_its_neighbor() {
+    for exponents in [[3, 3], [3, 1], [2, 4]] {
+        let case = triangle_and_quad(exponents, 5);
+        for level in 0..=usize::from(exponents[0].max(exponents[1])) {
+            let noise = |k: usize| 0.35 + 0.1 * ((k * 7919 % 31) as f32 / 31.0);
+            let (image, _, _) = painted(&case, level, noise);
+            for step in 0..=64 {
+                let t = step as f32 / 64.0;
+                let triangle = at(&case, &image, level, 0, &[(1, 1.0 - t), (2, t)]);
+                let quad = at(&case, &image, level, 1, &[(0, 1.0 - t), (3, t)]);
+                assert!(
+                    (triangle - quad).abs() < 1e-3,
+                    "{exponents:?}, level {level}, t {t}: {triangle} {quad}"
+                );
+            }
+        }
+    }
+}
+
+/// Beyond vertex colors the texels around a face reproduce its corner colors.
+#[test]
+fn corners_are_read_back_beyond_vertex_colors() {
+    let case = triangle_and_quad([0, 0], 4);
+    for level in 1..4 {
+        // Small slopes keep every texel in range.
+        let (image, values, row_count) = painted(&case, level, |k| 0.5 + 0.004 * k as f32);
+        assert_eq!(row_count, 8, "four texels of each face");
+        let cuts = Cuts::none(&case.canvas);
+        let topology = ChannelTopology::new(&case.canvas, &case.resolutions, &cuts);
+        for face in 0..2 {
+            for corner in 0..case.canvas.faces[face].count() {
+                let expected = values[topology.fan_of[face][corner] as usize].x;
+                let read = at(&case, &image, level, face, &[(corner, 1.0)]);
+                assert!((read - expected).abs() < 2e-5, "level {level}: {read}, not {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn extrapolation_weights_reproduce_their_functions() {
+    let all = [[true; 2]; 2];
+    for missing in [None, Some([0, 0]), Some([1, 0]), Some([0, 1]), Some([1, 1])] {
+        let mut there = all;
+        if let Some([x, y]) = missing {
+            there[y][x] = false;
+        }
+        let at = Vec2::new(-3.25, 2.5);
+        let weights = corner_weights(there, at);
+        let sum: f32 = weights.iter().map(|(_, weight)| weight).sum();
+        let linear: f32 = weights.iter().map(|([x, y], weight)| weight * (2.0 * *x as f32 - *y as f32)).sum();
+        assert!((sum - 1.0).abs() < 1e-5);
+        assert!((linear - (2.0 * at.x - at.y)).abs() < 1e-4, "{missing:?}: {linear}");
+    }
+}
+
+/// A normal stored in a face's frame comes back as itself through the frame that a viewer blends.
+#[test]
+fn stored_normals_decode_to_what_they_were() {
+    let case = triangle_and_quad([1, 1], 2);
+    let normals = vec![[Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.6, 0.8), Vec3::Z]; 2];
+    for scale in [1.0, 0.5, 2.0] {
+        let frames: NormalFrames = choose_frames(&case.canvas, &normals, |_| None, scale);
+        let wanted = Vec3::new(0.3, -0.2, 0.9).normalize();
+        let (s, t) = (0.25, 0.5);
+        let stored = Vec3::splat(0.5) + frames.to_stored(&case.canvas, 0, s, t) * wanted;
+        assert!(stored.min_element() >= 0.0 && stored.max_element() <= 1.0);
+        let corners = &frames.corners[0];
+        let frame =
+            crate::math::frame::Frame::blend([0, 1, 2].map(|k| &corners[k]), Vec3::new(1.0 - s - t, s, t));
+        let decoded = frame * ((stored * 2.0 - 1.0) * Vec3::new(scale, scale, 1.0));
+        assert!(decoded.normalize().angle_between(wanted) < 1e-3, "scale {scale}");
+    }
+}

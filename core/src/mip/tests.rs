@@ -1,1 +1,142 @@
+use glam::{Vec3, Vec4};
 
+use super::{coarsen, coverage, keep_coverage};
+use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions};
+use crate::mesh::{CanvasMesh, Polygons, build};
+use crate::watch::Unwatched;
+
+fn canvas(positions: &[Vec3], faces: &[&[u32]]) -> CanvasMesh {
+    let mut iterator = faces.iter().map(|face| {
+        let mut corners = [0; 4];
+        corners[..face.len()].copy_from_slice(face);
+        (corners, face.len() as u8)
+    });
+    build([Polygons { mesh: 0, primitive: 0, positions, faces: &mut iterator }])
+}
+
+/// A closed fan of `valence` triangles around vertex 0.
+fn fan(valence: u32) -> CanvasMesh {
+    let rim = (0..valence).map(|k| {
+        let angle = k as f32 / valence as f32 * std::f32::consts::TAU;
+        Vec3::new(angle.cos(), angle.sin(), 0.0)
+    });
+    let positions: Vec<Vec3> = std::iter::once(Vec3::ZERO).chain(rim).collect();
+    let faces: Vec<[u32; 3]> = (0..valence).map(|k| [0, 1 + k, 1 + (k + 1) % valence]).collect();
+    canvas(&positions, &faces.iter().map(|face| face.as_slice()).collect::<Vec<_>>())
+}
+
+/// Filters one level of the given samples; `value` by sample number.
+fn one_level(canvas: &CanvasMesh, exponents: &[u8], cuts: &Cuts, value: impl Fn(usize) -> f32) -> Vec<f32> {
+    let resolutions = Resolutions { faces: exponents.to_vec() };
+    let topology = ChannelTopology::new(canvas, &resolutions, cuts);
+    let fine = LevelNumbering::new(canvas, &topology, &resolutions, 0);
+    let coarse = LevelNumbering::new(canvas, &topology, &resolutions, 1);
+    let values: Vec<Vec4> = (0..fine.sample_count()).map(|sample| Vec4::splat(value(sample))).collect();
+    let out = coarsen(&fine, &coarse, &values, false, &Unwatched).unwrap();
+    assert_eq!(out.len(), coarse.sample_count());
+    out.into_iter().map(|v| v.x).collect()
+}
+
+#[test]
+fn a_constant_stays_what_it_is_on_any_mix_of_exponents() {
+    let mesh = fan(5);
+    for exponents in [[0, 0, 0, 0, 0], [3, 3, 3, 3, 3], [0, 3, 1, 2, 4]] {
+        let out = one_level(&mesh, &exponents, &Cuts::none(&mesh), |_| 0.7);
+        assert!(out.iter().all(|v| (v - 0.7).abs() < 1e-6), "{exponents:?}: {out:?}");
+    }
+}
+
+/// MC equation 6: a vertex of valence v keeps 1 / (1 + v/2) of itself.
+#[test]
+fn a_vertex_weighs_itself_by_its_valence() {
+    for valence in [3u32, 4, 7, 100] {
+        let mesh = fan(valence);
+        for exponent in [0, 2] {
+            let exponents = vec![exponent; valence as usize];
+            let out = one_level(&mesh, &exponents, &Cuts::none(&mesh), |sample| f32::from(sample == 0));
+            let expected = 1.0 / (1.0 + valence as f32 / 2.0);
+            assert!((out[0] - expected).abs() < 1e-6, "valence {valence}, exponent {exponent}: {}", out[0]);
+        }
+    }
+}
+
+/// MC equation 5 inside a triangle, and its counterpart on a quad: the middle weighs 1/4.
+#[test]
+fn inner_samples_weigh_their_neighbors() {
+    let triangle = canvas(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[&[0, 1, 2]]);
+    let resolutions = Resolutions { faces: vec![3] };
+    let topology = ChannelTopology::new(&triangle, &resolutions, &Cuts::none(&triangle));
+    let fine = LevelNumbering::new(&triangle, &topology, &resolutions, 0);
+    let coarse = LevelNumbering::new(&triangle, &topology, &resolutions, 1);
+    let center = coarse.tap(0, 1, 1).samples[0] as usize;
+    for (i, j, expected) in
+        [(2, 2, 0.25), (3, 2, 0.125), (1, 2, 0.125), (3, 1, 0.125), (3, 3, 0.0), (1, 1, 0.0)]
+    {
+        let lit = fine.tap(0, i, j).samples[0] as usize;
+        let out = one_level(&triangle, &[3], &Cuts::none(&triangle), |sample| f32::from(sample == lit));
+        assert!((out[center] - expected).abs() < 1e-6, "({i}, {j}) weighs {}", out[center]);
+    }
+    let quad = canvas(&[Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y], &[&[0, 1, 2, 3]]);
+    let resolutions = Resolutions { faces: vec![2] };
+    let topology = ChannelTopology::new(&quad, &resolutions, &Cuts::none(&quad));
+    let fine = LevelNumbering::new(&quad, &topology, &resolutions, 0);
+    let coarse = LevelNumbering::new(&quad, &topology, &resolutions, 1);
+    let center = coarse.tap(0, 1, 1).samples[0] as usize;
+    for (i, j, expected) in [(2, 2, 0.25), (1, 2, 0.125), (3, 3, 0.0625)] {
+        let lit = fine.tap(0, i, j).samples[0] as usize;
+        let out = one_level(&quad, &[2], &Cuts::none(&quad), |sample| f32::from(sample == lit));
+        assert!((out[center] - expected).abs() < 1e-6, "({i}, {j}) weighs {}", out[center]);
+    }
+}
+
+/// An edge sample takes half of two neighbors on the edge and of two in each face (MC 4.2).
+#[test]
+fn edge_samples_take_from_both_faces_unless_cut() {
+    let mesh = canvas(&[Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.0)], &[&[0, 1, 2], &[3, 2, 1]]);
+    let resolutions = Resolutions { faces: vec![2, 2] };
+    let shared = mesh.edges.iter().position(|edge| edge.vertices == [1, 2]).unwrap();
+    for is_cut in [false, true] {
+        let mut cuts = Cuts::none(&mesh);
+        cuts.edges[shared] = is_cut;
+        let topology = ChannelTopology::new(&mesh, &resolutions, &cuts);
+        let fine = LevelNumbering::new(&mesh, &topology, &resolutions, 0);
+        let coarse = LevelNumbering::new(&mesh, &topology, &resolutions, 1);
+        let middle = coarse.edge_tap(0, 1, 1).samples[0] as usize;
+        let lit: Vec<usize> = fine.face_range(1).collect();
+        let out = one_level(&mesh, &[2, 2], &cuts, |sample| f32::from(lit.contains(&sample)));
+        // Of the other face's three inner samples two lie beside the middle of the edge.
+        let expected = if is_cut { 0.0 } else { 0.25 };
+        assert!((out[middle] - expected).abs() < 1e-6, "cut {is_cut}: {}", out[middle]);
+    }
+}
+
+#[test]
+fn what_is_transparent_has_no_vote_in_color() {
+    let mesh = fan(4);
+    let resolutions = Resolutions { faces: vec![0; 4] };
+    let topology = ChannelTopology::new(&mesh, &resolutions, &Cuts::none(&mesh));
+    let fine = LevelNumbering::new(&mesh, &topology, &resolutions, 0);
+    let coarse = LevelNumbering::new(&mesh, &topology, &resolutions, 1);
+    let clear_green = Vec4::new(0.0, 1.0, 0.0, 0.0);
+    let mut values = vec![clear_green; 5];
+    values[0] = Vec4::new(1.0, 0.0, 0.0, 1.0);
+    let out = coarsen(&fine, &coarse, &values, true, &Unwatched).unwrap();
+    assert!(out[0].x > 0.99 && out[0].y < 0.01, "{:?}", out[0]);
+    assert!((out[0].w - 1.0 / 3.0).abs() < 1e-6);
+    values[0] = clear_green;
+    let out = coarsen(&fine, &coarse, &values, true, &Unwatched).unwrap();
+    assert!((out[0] - clear_green).abs().max_element() < 1e-6, "hidden color is kept where nothing shows");
+}
+
+#[test]
+fn a_mask_keeps_its_share_of_surface() {
+    let sharp: Vec<Vec4> = (0..100).map(|k| Vec4::splat(if k % 4 == 0 { 1.0 } else { 0.0 })).collect();
+    let areas = vec![1.0; 100];
+    let wanted = coverage(&sharp, &areas, 0.5);
+    assert_eq!(wanted, 0.25);
+    // A filter pulled alpha to the middle: nothing would pass.
+    let mut blurred: Vec<Vec4> = (0..100).map(|k| Vec4::splat(0.2 + 0.001 * k as f32)).collect();
+    assert_eq!(coverage(&blurred, &areas, 0.5), 0.0);
+    keep_coverage(&mut blurred, &areas, 0.5, wanted);
+    assert!((coverage(&blurred, &areas, 0.5) - wanted).abs() <= 0.01);
+}

@@ -12,6 +12,8 @@ use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
 
 /// Mean of slack times multiplier at which a solution is good: slack of active rules in the order of 1e-8.
 const COMPLEMENTARITY: f64 = 1e-11;
+/// Largest entry of the gradient at which a solution is good: a change in the order of 1e-8.
+const STATIONARITY: f64 = 1e-8;
 const STEPS_MAX: u64 = 60;
 /// Share of the way to the nearest bound that a step takes.
 const CAUTION: f64 = 0.99;
@@ -70,7 +72,7 @@ impl Island {
         let mut iterate = Iterate::new(self, pick(wanted), pick(weights), center);
         let mut step_count = 0;
         if let Some(system) = System::new(self) {
-            while step_count < STEPS_MAX && iterate.complementarity() > COMPLEMENTARITY {
+            while step_count < STEPS_MAX && !iterate.is_good() {
                 // Rounding ends the method where the system can no longer be factored or no step is left; the
                 // iterate keeps every rule all the same.
                 if !iterate.step(&system) {
@@ -79,8 +81,7 @@ impl Island {
                 step_count += 1;
             }
         }
-        let dual_residual = iterate.gradient().iter().fold(0.0, |max: f64, g| max.max(g.abs()));
-        let complementarity = iterate.complementarity();
+        let (dual_residual, complementarity) = (iterate.dual_residual(), iterate.complementarity());
         Outcome { values: iterate.values, step_count, dual_residual, complementarity }
     }
 
@@ -167,6 +168,14 @@ impl<'a> Iterate<'a> {
         (products(0) + products(1)) / (2 * self.slack[0].len()) as f64
     }
 
+    fn dual_residual(&self) -> f64 {
+        self.gradient().iter().fold(0.0, |max: f64, entry| max.max(entry.abs()))
+    }
+
+    fn is_good(&self) -> bool {
+        self.complementarity() <= COMPLEMENTARITY && self.dual_residual() <= STATIONARITY
+    }
+
     /// `a (y - c) - Wᵀ (z_low - z_high)`, zero at the optimum.
     fn gradient(&self) -> Vec<f64> {
         let mut gradient: Vec<f64> = (self.values.iter().zip(&self.wanted).zip(&self.weights))
@@ -179,10 +188,7 @@ impl<'a> Iterate<'a> {
 
     /// One predictor and corrector; false where there is no way on.
     fn step(&mut self, system: &System) -> bool {
-        let stiffness: Vec<f64> = (0..self.slack[0].len())
-            .map(|row| (0..2).map(|side| self.multipliers[side][row] / self.slack[side][row]).sum())
-            .collect();
-        let Some(factor) = system.factor(self.island, &self.weights, &stiffness) else { return false };
+        let Some(factor) = system.factor(self.island, &self.weights, &self.stiffness()) else { return false };
         let gradient = self.gradient();
         let products = [0, 1].map(|side| {
             (self.slack[side].iter().zip(&self.multipliers[side])).map(|(s, z)| s * z).collect::<Vec<f64>>()
@@ -221,9 +227,7 @@ impl<'a> Iterate<'a> {
         let mut right: Vec<f64> = gradient.iter().map(|g| -g).collect();
         let pull = |row: usize| products[1][row] / self.slack[1][row] - products[0][row] / self.slack[0][row];
         self.island.add_transposed((0..self.slack[0].len()).map(pull), &mut right);
-        let right = faer::Col::from_fn(right.len(), |at| right[at]);
-        let solved = factor.solve(&right);
-        let values: Vec<f64> = (0..solved.nrows()).map(|at| solved[at]).collect();
+        let values = self.refined(factor, &right);
         let low = self.island.apply(&values);
         let slack = [low.clone(), low.iter().map(|d| -d).collect()];
         let multipliers = [0, 1].map(|side| {
@@ -235,6 +239,28 @@ impl<'a> Iterate<'a> {
                 .collect()
         });
         Direction { values, slack, multipliers }
+    }
+
+    /// Solves with the factored matrix, then twice for what rounding left: with nearly parallel rules the
+    /// matrix is ill-conditioned near the optimum.
+    fn refined(&self, factor: &Llt<u32, f64>, right: &[f64]) -> Vec<f64> {
+        let mut values = vec![0.0; right.len()];
+        let mut rest = right.to_vec();
+        for _ in 0..3 {
+            let step = factor.solve(&faer::Col::from_fn(rest.len(), |at| rest[at]));
+            values.iter_mut().enumerate().for_each(|(at, value)| *value += step[at]);
+            rest =
+                (right.iter().zip(&values).zip(&self.weights)).map(|((right, y), a)| right - a * y).collect();
+            let rows = self.island.apply(&values).into_iter().zip(self.stiffness());
+            self.island.add_transposed(rows.map(|(row, d)| -row * d), &mut rest);
+        }
+        values
+    }
+
+    /// What each row adds to the matrix: multiplier over slack, both sides.
+    fn stiffness(&self) -> Vec<f64> {
+        let one = |row: usize| (0..2).map(|side| self.multipliers[side][row] / self.slack[side][row]).sum();
+        (0..self.slack[0].len()).map(one).collect()
     }
 
     /// How far slack and multipliers stay above zero, at most 1.
