@@ -80,6 +80,31 @@ proptest! {
         prop_assert!(report.max_seam_delta_codes <= f64::from(ROUNDING_CODES));
     }
 
+    /// The same at every resolution and sampling; clamping alone promises places, not colors.
+    #[test]
+    fn every_option_gives_a_sound_file(
+        seed in any::<u64>(),
+        sampling in prop_oneof![Just("point"), Just("filtered")],
+        resolution in prop_oneof![Just("fixed:0"), Just("fixed:1"), Just("fixed:5"), Just("area:0.01"), Just("area:4"), Just("density:9")],
+        solver in prop_oneof![Just("global"), Just("clamp")],
+        cut in prop_oneof![Just("0"), Just("8"), Just("255")],
+    ) {
+        let (patch, picture) = wild(seed);
+        let mut options = Options::default();
+        for (name, value) in [("sampling", sampling), ("resolution", resolution), ("solver", solver), ("cut", cut)] {
+            options.set(name, value).unwrap();
+        }
+        let conversion = converted(&patch.upload(&picture), &options);
+        prop_assert_eq!(bleeding(&conversion.finished), None);
+        prop_assert!(conversion.finished.primitives[0].triangles.iter().all(is_placed_exactly));
+        if solver == "global" {
+            assert_continuous(&conversion)?;
+        }
+        let file = Upload::single("asset.glb", conversion.files[0].bytes.clone());
+        let report = check(&file, &options, &Limits::default(), &Unwatched).unwrap();
+        prop_assert_eq!(report.max_seam_delta_codes, conversion.report.max_seam_delta_codes);
+    }
+
     /// Invariants 2 and 4: no texel is read from two blocks, and samples sit on texel centers.
     #[test]
     fn blocks_stand_apart_and_exactly(seed in any::<u64>()) {
