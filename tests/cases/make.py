@@ -15,6 +15,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 
+import extremes
 import formats
 import refusals
 import surfaces
@@ -23,7 +24,7 @@ import surfaces
 def main():
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).parent
     cases = {}
-    for group in (surfaces, formats, refusals):
+    for group in (surfaces, formats, extremes, refusals):
         group.add(cases)
     for name, (purpose, files, expect, *settings) in cases.items():
         place = folder / name

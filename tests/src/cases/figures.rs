@@ -28,6 +28,28 @@ pub fn of(conversion: &Conversion) -> Value {
     })
 }
 
+/// JSON for people and diffs: objects over several lines, lists of numbers on one.
+pub fn text(value: &Value, depth: usize) -> String {
+    let is_open = |value: &Value| {
+        value.is_object() || value.as_array().is_some_and(|list| list.iter().any(Value::is_object))
+    };
+    let indent = "  ".repeat(depth + 1);
+    let close = "  ".repeat(depth);
+    match value {
+        Value::Object(members) if !members.is_empty() => {
+            let member = |(name, value): (&String, &Value)| {
+                format!("{indent}{}: {}", json!(name), text(value, depth + 1))
+            };
+            format!("{{\n{}\n{close}}}", members.iter().map(member).collect::<Vec<_>>().join(",\n"))
+        }
+        Value::Array(list) if is_open(value) => {
+            let element = |value: &Value| format!("{indent}{}", text(value, depth + 1));
+            format!("[\n{}\n{close}]", list.iter().map(element).collect::<Vec<_>>().join(",\n"))
+        }
+        _ => value.to_string(),
+    }
+}
+
 fn material(layout: &LayoutReport) -> Value {
     json!({
         "faces": layout.face_count,
@@ -107,6 +129,7 @@ fn document(asset: &Asset, glb: &[u8]) -> Value {
         "targets": targets.sum::<usize>(),
         "images": count("images"),
         "attributes": attributes(new),
+        "extensions": new["extensionsUsed"],
         "slots": Slot::ALL.into_iter().filter(|&slot| back.materials.iter().any(|m| m.slot(slot).is_some())).count(),
     })
 }

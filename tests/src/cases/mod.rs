@@ -69,7 +69,7 @@ pub fn run(name: &str) {
     let case: Case =
         serde_json::from_str(&text("case.json")).unwrap_or_else(|e| panic!("{name}/case.json: {e}"));
     let (figures, detail) = case.figures(name, &folder);
-    let actual = serde_json::to_string_pretty(&figures).expect("figures are JSON") + "\n";
+    let actual = figures::text(&figures, 0) + "\n";
     for (pointer, wanted) in &case.expect {
         if pointer == DETAIL_CONTAINS {
             let wanted = wanted.as_str().expect("a text");
