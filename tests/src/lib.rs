@@ -1,6 +1,9 @@
 //! What the black-box tests share.
 
+pub mod cases;
 pub mod models;
+pub mod patches;
+pub mod reading;
 pub mod repository;
 pub mod validator;
 

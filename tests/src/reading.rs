@@ -1,0 +1,157 @@
+//! What a viewer reads from a finished conversion, worked out from its coordinates alone: nothing here
+//! knows how the conversion was made, and nothing is shared with `measure`.
+
+use std::collections::BTreeMap;
+
+use glam::{Vec2, Vec3};
+use meshcolor::asset::Asset;
+use meshcolor::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle};
+use meshcolor::image::{Image, Pixels, Transfer};
+
+/// Points along an edge that are compared; no grid line falls on them.
+const EDGE_POINTS: usize = 29;
+
+/// The texels that some point of the triangle reads with a weight above zero: those whose open square of
+/// two texels a side the triangle meets. Columns and rows may lie outside of the image.
+pub fn texels_read(triangle: &FinishedTriangle, level: usize) -> Vec<[i64; 2]> {
+    let corners = [0, 1, 2].map(|corner| triangle.place(corner, level).as_dvec2());
+    let low = corners.iter().fold(corners[0], |low, corner| low.min(*corner)) - 1.5;
+    let high = corners.iter().fold(corners[0], |high, corner| high.max(*corner)) + 0.5;
+    let mut read = Vec::new();
+    for y in low.y.floor() as i64..=high.y.ceil() as i64 {
+        for x in low.x.floor() as i64..=high.x.ceil() as i64 {
+            if meets(&corners, glam::DVec2::new(x as f64 + 0.5, y as f64 + 0.5)) {
+                read.push([x, y]);
+            }
+        }
+    }
+    read
+}
+
+/// Whether a triangle meets the open square of half side 1 around `center`: no axis keeps them apart.
+fn meets(corners: &[glam::DVec2; 3], center: glam::DVec2) -> bool {
+    let sides = [0, 1, 2].map(|k| (corners[(k + 1) % 3] - corners[k]).perp());
+    let axes = [glam::DVec2::X, glam::DVec2::Y].into_iter().chain(sides);
+    axes.into_iter().all(|axis| {
+        let along = corners.map(|corner| (corner - center).dot(axis));
+        let reach = axis.x.abs() + axis.y.abs() - 1e-9;
+        let least = along.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        least < reach && most > -reach
+    })
+}
+
+/// The color that a GPU shows at a place of one image: decoded, mixed, encoded, in 8-bit codes.
+pub fn shown_codes(image: &Image, transfer: Transfer, at_texels: Vec2) -> Vec3 {
+    let corner = at_texels - 0.5;
+    let (floor, part) = (corner.floor(), corner - corner.floor());
+    let mut sum = Vec3::ZERO;
+    for (dx, dy, weight) in [
+        (0, 0, (1.0 - part.x) * (1.0 - part.y)),
+        (1, 0, part.x * (1.0 - part.y)),
+        (0, 1, (1.0 - part.x) * part.y),
+        (1, 1, part.x * part.y),
+    ] {
+        if weight > 0.0 {
+            let x = (floor.x as i64 + dx).clamp(0, i64::from(image.width) - 1) as u32;
+            let y = (floor.y as i64 + dy).clamp(0, i64::from(image.height) - 1) as u32;
+            sum += Vec3::from(texel(image, x, y)).map(|code| decode(code, transfer)) * weight;
+        }
+    }
+    sum.map(|value| encode(value, transfer)) * 255.0
+}
+
+/// The stored codes of a texel as shares of the largest; gray in all three.
+pub fn texel(image: &Image, x: u32, y: u32) -> [f32; 3] {
+    let n = usize::from(image.components);
+    let first = (y as usize * image.width as usize + x as usize) * n;
+    [0, 1, 2].map(|k| {
+        let at = if n < 3 { first } else { first + k };
+        match &image.pixels {
+            Pixels::U8(codes) => f32::from(codes[at]) / 255.0,
+            Pixels::U16(codes) => f32::from(codes[at]) / 65535.0,
+        }
+    })
+}
+
+fn decode(code: f32, transfer: Transfer) -> f32 {
+    match transfer {
+        Transfer::Linear => code,
+        Transfer::Srgb if code <= 0.04045 => code / 12.92,
+        Transfer::Srgb => ((code + 0.055) / 1.055).powf(2.4),
+    }
+}
+
+fn encode(value: f32, transfer: Transfer) -> f32 {
+    match transfer {
+        Transfer::Linear => value,
+        Transfer::Srgb if value <= 0.003_130_8 => value * 12.92,
+        Transfer::Srgb => 1.055 * value.powf(1.0 / 2.4) - 0.055,
+    }
+}
+
+/// One side of an edge: a primitive of the conversion, its triangle, the corner where the side begins.
+type Side<'a> = (&'a FinishedPrimitive, usize, usize);
+type PositionKey = [u32; 3];
+
+/// Largest jump in codes by level, over all edges that are no cut in this texture.
+pub fn jumps_codes(asset: &Asset, finished: &Finished, texture: usize) -> Vec<f32> {
+    let material = finished.textures[texture].material;
+    let mut edges: BTreeMap<(usize, [PositionKey; 2]), Vec<Side<'_>>> = BTreeMap::new();
+    for piece in finished.primitives.iter().filter(|piece| piece.material == material) {
+        for triangle in 0..piece.triangles.len() {
+            for k in 0..3 {
+                let mut key = [key(asset, piece, triangle, k), key(asset, piece, triangle, k + 1)];
+                key.sort_unstable();
+                if key[0] != key[1] {
+                    edges.entry((piece.mesh, key)).or_default().push((piece, triangle, k));
+                }
+            }
+        }
+    }
+    let is_cut = |&(piece, triangle, k): &Side<'_>| {
+        let mut cuts = piece.cuts.iter().filter(|cuts| cuts.texture == texture);
+        cuts.any(|cuts| cuts.bits[triangle] >> k & 1 == 1)
+    };
+    edges.retain(|_, sides| sides.len() > 1 && !sides.iter().any(is_cut));
+    let texture = &finished.textures[texture];
+    (0..texture.levels.len())
+        .map(|level| {
+            let worst =
+                edges.iter().map(|((_, ends), sides)| jump_codes(asset, texture, level, ends[0], sides));
+            worst.fold(0.0, f32::max)
+        })
+        .collect()
+}
+
+fn key(asset: &Asset, piece: &FinishedPrimitive, triangle: usize, corner: usize) -> PositionKey {
+    let vertex = piece.triangles[triangle].vertices[corner % 3] as usize;
+    let position = asset.meshes[piece.mesh].primitives[piece.primitive].positions[vertex] + 0.0;
+    position.to_array().map(f32::to_bits)
+}
+
+fn jump_codes(
+    asset: &Asset,
+    texture: &FinishedTexture,
+    level: usize,
+    low: PositionKey,
+    sides: &[Side<'_>],
+) -> f32 {
+    let shown = |&(piece, triangle, k): &Side<'_>, t: f32| {
+        let t = if key(asset, piece, triangle, k) == low { t } else { 1.0 - t };
+        let mut weights = Vec3::ZERO;
+        weights[k] = 1.0 - t;
+        weights[(k + 1) % 3] = t;
+        let place = piece.triangles[triangle].place_at(weights, level);
+        shown_codes(&texture.levels[level], texture.transfer, place)
+    };
+    let mut worst: f32 = 0.0;
+    for point in 0..=EDGE_POINTS {
+        let t = point as f32 / EDGE_POINTS as f32;
+        let first = shown(&sides[0], t);
+        for side in &sides[1..] {
+            worst = worst.max((first - shown(side, t)).abs().max_element());
+        }
+    }
+    worst
+}
