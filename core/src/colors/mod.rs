@@ -11,7 +11,7 @@ mod tests;
 mod topology;
 
 pub use areas::sample_areas;
-pub use numbering::{FaceGrid, LevelNumbering, Tap};
+pub use numbering::{FaceGrid, LevelNumbering, Tap, edge_point};
 pub use topology::{ChannelTopology, Strip};
 
 use crate::mesh::CanvasMesh;

@@ -222,7 +222,7 @@ fn on_edge(is_triangle: bool, n: u32, i: u32, j: u32) -> Option<(usize, u32)> {
 }
 
 /// The grid point at distance `along` from the first corner of an edge.
-pub(super) fn edge_point(is_triangle: bool, n: u32, edge: usize, along: u32) -> (u32, u32) {
+pub fn edge_point(is_triangle: bool, n: u32, edge: usize, along: u32) -> (u32, u32) {
     match (is_triangle, edge) {
         (_, 0) => (along, 0),
         (true, 1) => (n - along, along),

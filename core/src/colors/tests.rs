@@ -1,7 +1,6 @@
 use glam::{Vec3, Vec4};
 
-use super::numbering::edge_point;
-use super::{ChannelTopology, Cuts, FaceGrid, LevelNumbering, Resolutions};
+use super::{ChannelTopology, Cuts, FaceGrid, LevelNumbering, Resolutions, edge_point};
 use crate::mesh::{CanvasMesh, Polygons, build};
 
 fn two_triangles_and_a_quad() -> CanvasMesh {

@@ -94,13 +94,13 @@ fn fans(canvas: &CanvasMesh, cuts: &Cuts) -> Fans {
     let mut number_of_root = vec![u32::MAX; parent.len()];
     let mut sizes = Vec::new();
     for (number, face) in canvas.faces.iter().enumerate() {
-        for corner in 0..face.count() {
+        for (corner, fan) in fan_of[number][..face.count()].iter_mut().enumerate() {
             let root = find(&mut parent, number as u32 * 4 + corner as u32) as usize;
             if number_of_root[root] == u32::MAX {
                 number_of_root[root] = sizes.len() as u32;
                 sizes.push(0);
             }
-            fan_of[number][corner] = number_of_root[root];
+            *fan = number_of_root[root];
             sizes[number_of_root[root] as usize] += 1;
         }
     }
@@ -111,8 +111,8 @@ fn fans(canvas: &CanvasMesh, cuts: &Cuts) -> Fans {
     let mut filled = first.clone();
     let mut corners = vec![(0, 0); first[first.len() - 1] as usize];
     for (number, face) in canvas.faces.iter().enumerate() {
-        for corner in 0..face.count() {
-            let slot = &mut filled[fan_of[number][corner] as usize];
+        for (corner, &fan) in fan_of[number][..face.count()].iter().enumerate() {
+            let slot = &mut filled[fan as usize];
             corners[*slot as usize] = (number as u32, corner as u8);
             *slot += 1;
         }

@@ -160,9 +160,8 @@ fn diagonals(canvas: &CanvasMesh, cuts: &[Cuts]) -> Vec<u8> {
         }
         cuts.iter().filter(|cuts| !cuts.edges[edge]).count()
     };
-    let least = |face: &CanvasFace| {
-        (0..face.count as u8).min_by_key(|&k| burden(face.edges[usize::from(k)])).unwrap_or(0)
-    };
+    let least =
+        |face: &CanvasFace| (0..face.count).min_by_key(|&k| burden(face.edges[usize::from(k)])).unwrap_or(0);
     canvas.faces.iter().map(least).collect()
 }
 

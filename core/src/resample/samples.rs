@@ -6,7 +6,7 @@
 use glam::Vec4;
 use rayon::prelude::*;
 
-use crate::colors::LevelNumbering;
+use crate::colors::{LevelNumbering, edge_point};
 use crate::error::Result;
 use crate::math::mean::WeightedMean;
 use crate::source::SurfaceSource;
@@ -210,12 +210,9 @@ impl<'a> FaceView<'a> {
             }
         }
         let n = self.segments;
-        let edges: &[fn(u32, u32) -> (u32, u32)] = if self.is_triangle {
-            &[|_, k| (k, 0), |n, k| (n - k, k), |n, k| (0, n - k)]
-        } else {
-            &[|_, k| (k, 0), |n, k| (n, k), |n, k| (n - k, n), |n, k| (0, n - k)]
-        };
-        let points = edges.iter().flat_map(|place| (0..n).map(move |k| place(n, k)));
+        let edge_count = if self.is_triangle { 3 } else { 4 };
+        let points = (0..edge_count)
+            .flat_map(|edge| (0..n).map(move |along| edge_point(self.is_triangle, n, edge, along)));
         points.map(|(i, j)| self.means[self.index(i, j)]).collect()
     }
 }

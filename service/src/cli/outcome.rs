@@ -1,8 +1,12 @@
 //! How a command ended, as its exit code, and how errors are said on standard error.
 
+use std::io;
 use std::process::ExitCode;
 
 use meshcolor::ErrorCode;
+use meshcolor::read::Limits;
+
+use crate::settings::raising_hint;
 
 /// In rising order of weight: of many files the heaviest counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,11 +44,21 @@ pub struct UsageError(pub String);
 impl Outcome {
     /// Says the error and returns what it means.
     pub fn of_error(error: &anyhow::Error) -> Self {
+        let is_closed_pipe = |cause: &io::Error| cause.kind() == io::ErrorKind::BrokenPipe;
+        if error.chain().filter_map(|cause| cause.downcast_ref()).any(is_closed_pipe) {
+            return Self::Fine; // whoever reads has seen enough
+        }
         eprintln!("meshcolor: {error:#}");
+        let cause = error.downcast_ref::<meshcolor::Error>();
+        // Who has changed a limit knows its name; the others are told.
+        let hint = cause.and_then(|cause| raising_hint(&Limits::default(), cause.code, cause.limit?));
+        if let Some(hint) = hint {
+            eprintln!("{hint}");
+        }
         if error.is::<UsageError>() {
             return Self::Usage;
         }
-        error.downcast_ref::<meshcolor::Error>().map_or(Self::Failed, |error| Self::of_code(error.code))
+        cause.map_or(Self::Failed, |cause| Self::of_code(cause.code))
     }
 
     pub fn of_code(code: ErrorCode) -> Self {

@@ -88,7 +88,7 @@ pub fn before_and_after(report: &Report) -> String {
         let name = plain(&format!("{} / {}", channel.material_name, channel.slots.join("+")));
         let _ =
             writeln!(out, "{name}, {} at {} seams", unit_name(channel.unit), channel.cuts.seam_edge_count);
-        let _ = writeln!(out, "  {:>5}  {:>21}  {:>21}", "", "seam, max (mean)", "drift");
+        let _ = writeln!(out, "  {:>5}  {:>21}  {:>21}", "", "largest seam", "drift");
         let _ = writeln!(
             out,
             "  {:>5}  {:>10} {:>10}  {:>10} {:>10}",
