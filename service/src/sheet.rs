@@ -4,12 +4,12 @@
 use meshcolor::pipeline::Conversion;
 pub use meshcolor_shaders::preview::Sheet;
 
-/// Draws the sheet of a conversion.
+/// Draws the sheet of a conversion, under the name of the model's file.
 ///
 /// # Errors
 /// Whatever kept the renderer from drawing; a conversion is complete without its picture.
-pub fn draw(conversion: &Conversion) -> anyhow::Result<Sheet> {
-    Ok(meshcolor_shaders::preview::sheet(conversion)?)
+pub fn draw(conversion: &Conversion, title: &str) -> anyhow::Result<Sheet> {
+    Ok(meshcolor_shaders::preview::sheet_titled(conversion, title)?)
 }
 
 /// The sampling functions that users paste into their shaders.

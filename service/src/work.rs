@@ -1,6 +1,7 @@
 //! One conversion or check as the command line and the service both do it: the conversion, the picture,
 //! the clocks, the bundle.
 
+use std::path::Path;
 use std::thread::available_parallelism;
 
 use meshcolor::measure::Report;
@@ -67,7 +68,7 @@ pub fn convert(
     let mut files = std::mem::take(&mut conversion.files);
     let sheet = if options.preview {
         watch.enter(PREVIEW_STAGE);
-        Some(sheet::draw(&conversion).map_err(|error| format!("{error:#}")))
+        Some(sheet::draw(&conversion, &title(&upload.main)).map_err(|error| format!("{error:#}")))
     } else {
         None
     };
@@ -87,6 +88,13 @@ pub fn convert(
     };
     let files = bundle::with_manifest(files, &options.to_json());
     Ok(Converted { files, report: conversion.report, preview })
+}
+
+/// What stands over the sheet: the model's file name without its ending, cut where it would leave the page.
+fn title(main: &str) -> String {
+    const TITLE_CHARS: usize = 64;
+    let name = Path::new(main).file_stem().unwrap_or_default().to_string_lossy();
+    name.chars().filter(|c| !c.is_control()).take(TITLE_CHARS).collect()
 }
 
 /// Measures on the threads of the pool that calls it.

@@ -4,6 +4,7 @@ pub mod cases;
 pub mod models;
 pub mod patches;
 pub mod reading;
+pub mod repository;
 pub mod validator;
 
 /// Whether a missing tool is a failure: `tests/run` says so, because it has installed them.

@@ -133,15 +133,20 @@ fn represent(
         return Ok(None);
     }
     let weights = weights(channel, rules);
-    let solutions: Vec<Solution> = (systems.par_iter().zip(&wanted))
-        .map(|(system, wanted)| {
-            let is_stored = *system != System::Normals;
-            let center = if is_stored { 0.5 } else { 0.0 };
+    let is_stored = channel.frames.is_none();
+    let center = if is_stored { 0.5 } else { 0.0 };
+    // Gray stored as RGB is common: components that want the same get the same.
+    let twin = |k: usize| (0..k).find(|&earlier| wanted[earlier] == wanted[k]);
+    let twins: Vec<Option<usize>> = (0..systems.len()).map(twin).collect();
+    let solved: Vec<Option<Solution>> = (wanted.par_iter().zip(&twins))
+        .map(|(wanted, twin)| {
             let problem = Problem { rules, wanted, weights: &weights, center, is_stored };
-            solve(&problem, solver == Solver::Global, &|| watch.canceled())
+            twin.is_none().then(|| solve(&problem, solver == Solver::Global, &|| watch.canceled()))
         })
         .collect();
     watch::check(watch)?;
+    let solutions: Vec<&Solution> =
+        (0..systems.len()).filter_map(|k| solved[twins[k].unwrap_or(k)].as_ref()).collect();
     let before = samples_of(channel, rules, values);
     for (system, solution) in systems.iter().zip(&solutions) {
         system.scatter(rules, &solution.values, values);
@@ -180,8 +185,8 @@ fn samples_of(channel: &LevelChannel<'_>, rules: &Rules, values: &[Vec4]) -> Vec
     samples.into_iter().map(|sample| values[sample as usize]).collect()
 }
 
-fn largest(solutions: &[Solution], figure: impl Fn(&Solution) -> f64) -> f64 {
-    solutions.iter().map(figure).fold(0.0, f64::max)
+fn largest(solutions: &[&Solution], figure: impl Fn(&Solution) -> f64) -> f64 {
+    solutions.iter().map(|solution| figure(solution)).fold(0.0, f64::max)
 }
 
 /// The variables that one solve is about.

@@ -42,12 +42,12 @@ pub fn sample(
         slots.push(slot);
         interiors = rest;
     }
-    let total_area: f32 = canvas.faces.iter().map(|face| face.area).sum();
-    let area_floor = AREA_FLOOR * (total_area / canvas.faces.len() as f32).max(f32::MIN_POSITIVE);
+    let total_area: f64 = canvas.faces.iter().map(|face| f64::from(face.area)).sum();
+    let mean_area = total_area / canvas.faces.len() as f64;
     let borders = (slots.into_par_iter().enumerate())
         .map(|(face, interior)| {
             watch::check(watch)?;
-            let mut view = FaceView::new(source, numbering, face, area_floor);
+            let mut view = FaceView::new(source, numbering, face, mean_area);
             match kernel {
                 Kernel::Point => view.fetch_points(),
                 Kernel::Hat => view.integrate_cells(),
@@ -66,7 +66,7 @@ struct FaceView<'a> {
     face: usize,
     is_triangle: bool,
     segments: u32,
-    /// World weight of one cell.
+    /// Area of one cell in shares of the mean face.
     cell_weight: f32,
     means: Vec<WeightedMean>,
 }
@@ -76,18 +76,20 @@ impl<'a> FaceView<'a> {
         source: &'a SurfaceSource<'a>,
         numbering: &'a LevelNumbering<'a>,
         face: usize,
-        area_floor: f32,
+        mean_area: f64,
     ) -> Self {
         let canvas_face = &numbering.canvas.faces[face];
         let segments = numbering.segments(face);
         let side = segments as usize + 1;
+        // Where no face has any area all count the same.
+        let share = if mean_area > 0.0 { (f64::from(canvas_face.area) / mean_area) as f32 } else { 1.0 };
         Self {
             source,
             numbering,
             face,
             is_triangle: canvas_face.is_triangle(),
             segments,
-            cell_weight: canvas_face.area.max(area_floor) / (segments * segments) as f32,
+            cell_weight: share.max(AREA_FLOOR) / (segments * segments) as f32,
             means: vec![WeightedMean::default(); side * side],
         }
     }

@@ -143,3 +143,16 @@ fn exponents_follow_their_rule() {
     // Sides of 1 unit stand at three times that in the scene.
     assert_eq!(with(ResolutionRule::Density(10.0)), [5, 5]);
 }
+
+/// Models of any size, down to none at all, are sampled alike.
+#[test]
+fn faces_without_area_still_show_their_texture() {
+    for size in [0.0, 1e-15, 1e6] {
+        let mut asset = two_charts(image(|_, _| 90), LEFT, RIGHT);
+        asset.meshes[0].primitives[0].positions.iter_mut().for_each(|position| *position *= size);
+        for kernel in [Kernel::Point, Kernel::Hat] {
+            let (values, _) = samples(&asset, 2, kernel);
+            assert!(values.iter().all(|v| (v.x * 255.0 - 90.0).abs() < 0.01), "size {size}: {values:?}");
+        }
+    }
+}

@@ -10,6 +10,9 @@ use super::interior::{Island, IslandRow, Outcome};
 
 /// Largest violation that is let pass, in linear values: a hundredth of a code in the darkest sRGB.
 pub const TOLERANCE: f64 = 1e-6;
+/// Rules beside violated ones come in with them where they are this near to a bound: most of them would be
+/// pushed out and cost another round.
+const NEAR_BOUND: f64 = 0.03;
 /// Each round takes in what the last one pushed out of range; more than a few are rare.
 const ROUNDS_MAX: usize = 200;
 
@@ -83,6 +86,8 @@ struct State<'a> {
     is_active: Vec<bool>,
     /// Rows that are in, group by group.
     active_rows: Vec<usize>,
+    /// By variable: an active row is about it.
+    is_touched: Vec<bool>,
     /// Union-find over variables: those that active rows connect.
     parent: Vec<u32>,
     /// By root variable: the island has a row that it was not solved with.
@@ -100,6 +105,7 @@ impl<'a> State<'a> {
             values: problem.wanted.to_vec(),
             is_active: vec![false; problem.rules.group_count() + variable_count],
             active_rows: Vec::new(),
+            is_touched: vec![false; variable_count],
             parent: (0..variable_count as u32).collect(),
             is_stale: vec![false; variable_count],
             step_count: 0,
@@ -149,7 +155,30 @@ impl<'a> State<'a> {
                 self.admit(row);
             }
         }
+        if self.active_rows.len() > before {
+            self.admit_neighbors();
+        }
         self.active_rows.len() > before
+    }
+
+    fn admit_neighbors(&mut self) {
+        let rules = self.problem.rules;
+        let is_near = |state: &Self, row: usize| {
+            let value = row_value(rules, row, &state.values);
+            !(NEAR_BOUND..=1.0 - NEAR_BOUND).contains(&value)
+        };
+        let beside: Vec<usize> = (0..rules.group_count())
+            .filter(|&group| !self.is_active[group])
+            .filter(|&group| {
+                let mut terms = rules.group(group).flat_map(|row| rules.terms(row));
+                terms.any(|&(variable, _)| self.is_touched[variable as usize])
+                    && rules.group(group).any(|row| is_near(self, row))
+            })
+            .collect();
+        for group in beside {
+            self.is_active[group] = true;
+            rules.group(group).for_each(|row| self.admit(row));
+        }
     }
 
     fn admit(&mut self, row: usize) {
@@ -157,6 +186,7 @@ impl<'a> State<'a> {
         let terms = self.row(row).terms;
         let Some(&(first, _)) = terms.first() else { return };
         for &(variable, _) in &terms {
+            self.is_touched[variable as usize] = true;
             let (a, b) = (self.root(first), self.root(variable));
             self.parent[a.max(b) as usize] = a.min(b);
         }

@@ -138,6 +138,12 @@ impl System {
     }
 }
 
+/// `diag(a) + Wᵀ D W`, factored, with its `D`.
+struct Matrix {
+    factor: Llt<u32, f64>,
+    stiffness: Vec<f64>,
+}
+
 /// A point strictly inside all rules, and multipliers above zero.
 struct Iterate<'a> {
     island: &'a Island,
@@ -188,12 +194,14 @@ impl<'a> Iterate<'a> {
 
     /// One predictor and corrector; false where there is no way on.
     fn step(&mut self, system: &System) -> bool {
-        let Some(factor) = system.factor(self.island, &self.weights, &self.stiffness()) else { return false };
+        let stiffness = self.stiffness();
+        let Some(factor) = system.factor(self.island, &self.weights, &stiffness) else { return false };
+        let matrix = Matrix { factor, stiffness };
         let gradient = self.gradient();
         let products = [0, 1].map(|side| {
             (self.slack[side].iter().zip(&self.multipliers[side])).map(|(s, z)| s * z).collect::<Vec<f64>>()
         });
-        let predictor = self.direction(&factor, &gradient, &products);
+        let predictor = self.direction(&matrix, &gradient, &products);
         let mean = self.complementarity();
         let reach = self.reach(&predictor);
         let mean_ahead = self.complementarity_ahead(&predictor, reach);
@@ -208,11 +216,11 @@ impl<'a> Iterate<'a> {
                 products.map(one).collect::<Vec<f64>>()
             })
         };
-        let mut direction = self.direction(&factor, &gradient, &toward(1.0, centering));
+        let mut direction = self.direction(&matrix, &gradient, &toward(1.0, centering));
         let mut length = (CAUTION * self.reach(&direction)).min(1.0);
         if self.complementarity_ahead(&direction, length) > (1.0 - 0.1 * length) * mean {
             // The corrector can run in circles; the plain path to a fifth of the mean cannot.
-            direction = self.direction(&factor, &gradient, &toward(0.0, 0.2 * mean));
+            direction = self.direction(&matrix, &gradient, &toward(0.0, 0.2 * mean));
             length = (CAUTION * self.reach(&direction)).min(1.0);
         }
         if length.is_nan() || length < 1e-9 || direction.values.iter().any(|d| !d.is_finite()) {
@@ -223,11 +231,11 @@ impl<'a> Iterate<'a> {
     }
 
     /// Newton's direction for the gradient and for products `s z` that are to become zero.
-    fn direction(&self, factor: &Llt<u32, f64>, gradient: &[f64], products: &[Vec<f64>; 2]) -> Direction {
+    fn direction(&self, matrix: &Matrix, gradient: &[f64], products: &[Vec<f64>; 2]) -> Direction {
         let mut right: Vec<f64> = gradient.iter().map(|g| -g).collect();
         let pull = |row: usize| products[1][row] / self.slack[1][row] - products[0][row] / self.slack[0][row];
         self.island.add_transposed((0..self.slack[0].len()).map(pull), &mut right);
-        let values = self.refined(factor, &right);
+        let values = self.refined(matrix, &right);
         let low = self.island.apply(&values);
         let slack = [low.clone(), low.iter().map(|d| -d).collect()];
         let multipliers = [0, 1].map(|side| {
@@ -243,15 +251,15 @@ impl<'a> Iterate<'a> {
 
     /// Solves with the factored matrix, then twice for what rounding left: with nearly parallel rules the
     /// matrix is ill-conditioned near the optimum.
-    fn refined(&self, factor: &Llt<u32, f64>, right: &[f64]) -> Vec<f64> {
+    fn refined(&self, matrix: &Matrix, right: &[f64]) -> Vec<f64> {
         let mut values = vec![0.0; right.len()];
         let mut rest = right.to_vec();
         for _ in 0..3 {
-            let step = factor.solve(&faer::Col::from_fn(rest.len(), |at| rest[at]));
+            let step = matrix.factor.solve(&faer::Col::from_fn(rest.len(), |at| rest[at]));
             values.iter_mut().enumerate().for_each(|(at, value)| *value += step[at]);
             rest =
                 (right.iter().zip(&values).zip(&self.weights)).map(|((right, y), a)| right - a * y).collect();
-            let rows = self.island.apply(&values).into_iter().zip(self.stiffness());
+            let rows = self.island.apply(&values).into_iter().zip(&matrix.stiffness);
             self.island.add_transposed(rows.map(|(row, d)| -row * d), &mut rest);
         }
         values

@@ -44,15 +44,19 @@ pub fn table(path: &str, report: &Report) -> String {
 }
 
 fn describe_channel(out: &mut String, channel: &ChannelReport) {
-    let unit = unit_name(channel.unit);
+    let cuts = &channel.cuts;
+    let edges = if cuts.seam_edge_count == 0 {
+        format!("{} edges cut", cuts.cut_edge_count)
+    } else {
+        let [seams, joined, cut] = [cuts.seam_share, cuts.welded_share, cuts.cut_share].map(|s| s * 100.0);
+        format!("{seams:.1} % of inner edge length is seams, of that {joined:.1} % joined, {cut:.1} % cut")
+    };
+    let name = plain(&channel.material_name);
     let _ = writeln!(
         out,
-        "  {} / {} ({unit}): {:.1} % of inner edge length is seams, of that {:.1} % joined, {:.1} % cut",
-        plain(&channel.material_name),
+        "  {name} / {} ({}): {edges}",
         plain(&channel.slots.join("+")),
-        channel.cuts.seam_share * 100.0,
-        channel.cuts.welded_share * 100.0,
-        channel.cuts.cut_share * 100.0,
+        unit_name(channel.unit)
     );
     let _ = writeln!(
         out,
