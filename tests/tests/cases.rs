@@ -26,7 +26,6 @@ cases! {
     alpha_mask,
     alpha_no_vote,
     alpha_opaque,
-    #[ignore = "find_cuts counts an alpha that the channel does not store"]
     alpha_unseen_seam,
     bad_accessor_range,
     bad_container,
@@ -54,7 +53,6 @@ cases! {
     coincident_same_way,
     coincident_sheets,
     cut_ends_inside,
-    #[ignore = "the verdict takes the largest of 38 samples for their 99.9th percentile"]
     exponents_0_and_6,
     image_1x1,
     image_7_by_3,
@@ -91,7 +89,6 @@ cases! {
     palette_low_poly,
     png_16_bit,
     png_gray,
-    #[ignore = "fidelity counts an alpha that the material does not show"]
     png_gray_alpha,
     png_palette,
     primitives_weld,

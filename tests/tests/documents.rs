@@ -21,10 +21,34 @@ fn the_readme_has_every_option() {
 fn the_readme_has_every_limit() {
     let mut defaults = Settings::default();
     let rows = SETTINGS.iter().map(|spec| {
-        let figure = format!("{} {}", spec.value(&mut defaults), spec.value_name.to_lowercase());
+        let figure = shown(spec.value(&mut defaults), spec.value_name);
         vec![format!("`{}`", spec.variable()), figure, spec.doc.to_owned()]
     });
     hold("README.md", "limits", &markdown(&["setting", "default", "what it limits"], rows));
+}
+
+/// A default with its unit, as people read it.
+fn shown(value: u64, unit: &str) -> String {
+    let digits = value.to_string();
+    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().map(|g| str::from_utf8(g).unwrap()).collect();
+    let grouped = groups.join(" ");
+    let binary = [(30, "GiB"), (20, "MiB"), (10, "KiB")];
+    match (unit, binary.into_iter().find(|(bits, _)| value.trailing_zeros() >= *bits)) {
+        ("BYTES", Some((bits, prefix))) => format!("{} {prefix}", value >> bits),
+        ("COUNT", _) => grouped,
+        ("FACTOR", _) => format!("{grouped} to 1"),
+        (unit, _) => format!("{grouped} {}", unit.to_lowercase()),
+    }
+}
+
+#[test]
+fn the_readme_shows_an_error_as_it_is() {
+    let upload = Upload::single("sample.glb", meshcolor_service::sample::model());
+    let limits = Limits { image_pixels: 1000, ..Limits::default() };
+    let Err(error) = convert(&upload, &Options::default(), &limits, &Unwatched) else {
+        panic!("the sample has larger images");
+    };
+    hold("README.md", "error", &format!("```\nsample.glb: {error}\n```"));
 }
 
 #[test]

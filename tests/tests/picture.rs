@@ -16,6 +16,7 @@ use meshcolor_tests::repository::{root, writes_documents};
 
 const PATH: &str = "docs/sheet.png";
 const WIDTH: u32 = 880;
+const TITLE: &str = "sample";
 const LARGEST_BYTES: usize = 600_000;
 /// What another processor's arithmetic may change.
 const MEAN_CODES: f64 = 0.05;
@@ -41,7 +42,8 @@ fn the_readme_shows_what_the_demo_draws() {
 fn draw_and_compare() {
     let upload = Upload::single("sample.glb", meshcolor_service::sample::model());
     let conversion = convert(&upload, &Options::default(), &Limits::default(), &Unwatched).unwrap();
-    let sheet = meshcolor_shaders::preview::sheet(&conversion).unwrap();
+    // The service titles it by the file that the demo sends.
+    let sheet = meshcolor_service::sheet::draw(&conversion, TITLE).unwrap();
     assert!(sheet.renderer.starts_with("CPU renderer"), "{} drew it", sheet.renderer);
     let full = image::load_from_memory(&sheet.png).unwrap().to_rgb8();
     let height = full.height() * WIDTH / full.width();

@@ -96,7 +96,7 @@ impl Comparison<'_> {
                 }
                 meaning => {
                     let wanted = meaning.codes(wanted);
-                    let which = stored_components(self.origin.image.components);
+                    let which = stored_components(self.origin.components);
                     sums[0].add_codes(which, wanted, meaning.codes(ours));
                     sums[1].add_codes(which, wanted, meaning.codes(resampled));
                 }

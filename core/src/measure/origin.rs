@@ -12,7 +12,7 @@ use super::mips;
 use super::report::{SourceLevel, Unit};
 use super::surface::{Part, Surface};
 use super::texels::Texels;
-use crate::asset::{Asset, Slot, TextureRef};
+use crate::asset::{AlphaMode, Asset, Material, Slot, TextureRef};
 use crate::error::{Error, Result};
 use crate::finished::Frame;
 use crate::image::Image;
@@ -29,6 +29,8 @@ const AGREEMENT_DEGREES: f32 = 2.0;
 /// A channel's source over one surface.
 pub struct Origin<'a> {
     pub image: &'a Image,
+    /// How many of the image's components the material shows: an alpha that it ignores does not count.
+    pub components: u8,
     pub texture: TextureRef,
     pub meaning: Meaning,
     /// Transformed coordinates of the vertices, part by part.
@@ -64,7 +66,8 @@ impl<'a> Origin<'a> {
         } else {
             Vec::new()
         };
-        Ok(Some(Self { image, texture, meaning, uvs, frames }))
+        let components = shown_components(&asset.materials[surface.material], slot, image);
+        Ok(Some(Self { image, components, texture, meaning, uvs, frames }))
     }
 
     pub fn texels<'i>(&self, image: &'i Image) -> Texels<'i> {
@@ -144,6 +147,11 @@ pub struct SeamLevel {
     pub survey: Survey,
 }
 
+fn shown_components(material: &Material, slot: Slot, image: &Image) -> u8 {
+    let shows_alpha = slot == Slot::BaseColor && material.alpha_mode != AlphaMode::Opaque;
+    if image.has_alpha() && !shows_alpha { image.components - 1 } else { image.components }
+}
+
 impl SourceSeams {
     /// Surveys the first `level_limit` levels, or as many as the image has.
     pub fn survey(
@@ -160,7 +168,7 @@ impl SourceSeams {
             let judge = Judge {
                 texels: origin.texels(&image),
                 meaning: origin.meaning,
-                components: image.components,
+                components: origin.components,
             };
             let size_texels = judge.texels.size_texels();
             let survey = survey(&surface.pairs, &seam, |pair| {

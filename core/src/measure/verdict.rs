@@ -10,6 +10,9 @@ pub const MAX_CODES: f64 = 1.5;
 /// Limit of the 99.9th percentile.
 pub const P999_CODES: f64 = 1.0;
 
+/// Fewer samples have no 99.9th percentile but their maximum, which has a limit of its own.
+pub const P999_SAMPLES: u64 = 1000;
+
 /// Limit of the 99.9th percentile of normals. More is a reason to look, not a broken promise.
 pub const P999_DEGREES: f64 = 1.0;
 
@@ -57,7 +60,7 @@ pub fn judge(kind: SubjectKind, channels: &[ChannelReport]) -> Judgement {
 fn broken(channel: &ChannelReport, (level, seams): (u32, Figures)) -> Option<String> {
     let (what, figure, limit) = if seams.max > MAX_CODES {
         ("the largest jump", seams.max, MAX_CODES)
-    } else if seams.p999 > P999_CODES {
+    } else if seams.p999 > P999_CODES && seams.sample_count >= P999_SAMPLES {
         ("the 99.9th percentile of the jumps", seams.p999, P999_CODES)
     } else {
         return None;
@@ -93,7 +96,7 @@ mod tests {
         let level = |(number, &(max, p999)): (usize, &(f64, f64))| LevelReport {
             level: number as u32,
             size: [4, 4],
-            seams: Some(Figures { max, p999, mean: 0.0, sample_count: 19 }),
+            seams: Some(Figures { max, p999, mean: 0.0, sample_count: 19_000 }),
             drift: None,
             source: None,
         };
@@ -127,6 +130,9 @@ mod tests {
         }
         let many = judge(SubjectKind::Converted, &[channel(Unit::Codes, &[(1.4, 1.01)])]);
         assert!(many.errors[0].contains("99.9th"));
+        let mut few = channel(Unit::Codes, &[(1.4, 1.4)]);
+        few.levels[0].seams = Some(Figures { max: 1.4, p999: 1.4, mean: 0.1, sample_count: 38 });
+        assert_eq!(judge(SubjectKind::Converted, &[few]).verdict, Verdict::Pass);
     }
 
     #[test]
