@@ -43,22 +43,31 @@ fn meets(corners: &[glam::DVec2; 3], center: glam::DVec2) -> bool {
 
 /// The color that a GPU shows at a place of one image: decoded, mixed, encoded, in 8-bit codes.
 pub fn shown_codes(image: &Image, transfer: Transfer, at_texels: Vec2) -> Vec3 {
+    let taps = taps(image, at_texels).into_iter().filter(|tap| tap.2 > 0.0);
+    let sum: Vec3 = taps
+        .map(|(x, y, weight)| Vec3::from(texel(image, x, y)).map(|code| decode(code, transfer)) * weight)
+        .sum();
+    sum.map(|value| encode(value, transfer)) * 255.0
+}
+
+/// The alpha that a GPU shows at a place of an image of four components of 8 bits, 0 to 1.
+pub fn shown_alpha(image: &Image, at_texels: Vec2) -> f32 {
+    let Pixels::U8(codes) = &image.pixels else { return f32::NAN };
+    let alpha = |x: u32, y: u32| codes.get((y as usize * image.width as usize + x as usize) * 4 + 3).copied();
+    let taps = taps(image, at_texels).into_iter();
+    taps.map(|(x, y, weight)| alpha(x, y).map_or(f32::NAN, f32::from) / 255.0 * weight).sum()
+}
+
+/// The four texels around a place, kept inside of the image, with their weights.
+fn taps(image: &Image, at_texels: Vec2) -> [(u32, u32, f32); 4] {
     let corner = at_texels - 0.5;
     let (floor, part) = (corner.floor(), corner - corner.floor());
-    let mut sum = Vec3::ZERO;
-    for (dx, dy, weight) in [
-        (0, 0, (1.0 - part.x) * (1.0 - part.y)),
-        (1, 0, part.x * (1.0 - part.y)),
-        (0, 1, (1.0 - part.x) * part.y),
-        (1, 1, part.x * part.y),
-    ] {
-        if weight > 0.0 {
-            let x = (floor.x as i64 + dx).clamp(0, i64::from(image.width) - 1) as u32;
-            let y = (floor.y as i64 + dy).clamp(0, i64::from(image.height) - 1) as u32;
-            sum += Vec3::from(texel(image, x, y)).map(|code| decode(code, transfer)) * weight;
-        }
-    }
-    sum.map(|value| encode(value, transfer)) * 255.0
+    let inside = |at: f32, side: u32| at.clamp(0.0, side as f32 - 1.0) as u32;
+    [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(dx, dy)| {
+        let weight = |step: f32, part: f32| if step == 0.0 { 1.0 - part } else { part };
+        let (x, y) = (inside(floor.x + dx, image.width), inside(floor.y + dy, image.height));
+        (x, y, weight(dx, part.x) * weight(dy, part.y))
+    })
 }
 
 /// The stored codes of a texel as shares of the largest; gray in all three.
