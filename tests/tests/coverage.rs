@@ -58,7 +58,6 @@ fn a_mask_keeps_most_of_what_averaging_loses() {
 }
 
 #[test]
-#[ignore = "coverage is kept over samples; between them, where it is seen, half is lost by level 4"]
 fn a_mask_keeps_its_coverage() {
     let masked = coverage_of_leaves(AlphaMode::Mask(LEAF_CUTOFF), "MASK");
     for (level, share) in masked.iter().enumerate().take(5) {

@@ -181,9 +181,22 @@ impl FaceGrid {
         &mut self.values[(j * (self.segments + 1) + i) as usize]
     }
 
-    /// Every value, for changes that do not depend on the place.
-    pub fn for_each(&mut self, change: impl FnMut(&mut Vec4)) {
-        self.values.iter_mut().for_each(change);
+    /// Interpolated alpha at `(x, y)` in segments, inside the face: bilinear in a quad's cells, linear in a
+    /// triangle's.
+    pub fn alpha(&self, x: f32, y: f32) -> f32 {
+        let last = self.segments - 1;
+        let (i, j) = ((x as u32).min(last), (y as u32).min(last));
+        let (x, y) = (x - i as f32, y - j as f32);
+        let corner = |di: u32, dj: u32| self.at(i + di, j + dj).w;
+        if self.is_triangle && x + y <= 1.0 {
+            corner(0, 0) * (1.0 - x - y) + corner(1, 0) * x + corner(0, 1) * y
+        } else if self.is_triangle {
+            corner(1, 1) * (x + y - 1.0) + corner(0, 1) * (1.0 - x) + corner(1, 0) * (1.0 - y)
+        } else {
+            let low = corner(0, 0) * (1.0 - x) + corner(1, 0) * x;
+            let high = corner(0, 1) * (1.0 - x) + corner(1, 1) * x;
+            low * (1.0 - y) + high * y
+        }
     }
 }
 

@@ -130,13 +130,18 @@ fn what_is_transparent_has_no_vote_in_color() {
 
 #[test]
 fn a_mask_keeps_its_share_of_surface() {
-    let sharp: Vec<Vec4> = (0..100).map(|k| Vec4::splat(if k % 4 == 0 { 1.0 } else { 0.0 })).collect();
-    let areas = vec![1.0; 100];
-    let wanted = coverage(&sharp, &areas, 0.5);
-    assert_eq!(wanted, 0.25);
+    let mesh = fan(6);
+    let resolutions = Resolutions { faces: vec![3; 6] };
+    let topology = ChannelTopology::new(&mesh, &resolutions, &Cuts::none(&mesh));
+    let numbering = LevelNumbering::new(&mesh, &topology, &resolutions, 0);
+    let sharp: Vec<Vec4> =
+        (0..numbering.sample_count()).map(|k| Vec4::splat(if k % 4 == 0 { 1.0 } else { 0.0 })).collect();
+    let wanted = coverage(&numbering, &sharp, 0.5);
+    assert!((0.05..0.5).contains(&wanted), "{wanted}");
     // A filter pulled alpha to the middle: nothing would pass.
-    let mut blurred: Vec<Vec4> = (0..100).map(|k| Vec4::splat(0.2 + 0.001 * k as f32)).collect();
-    assert_eq!(coverage(&blurred, &areas, 0.5), 0.0);
-    keep_coverage(&mut blurred, &areas, 0.5, wanted);
-    assert!((coverage(&blurred, &areas, 0.5) - wanted).abs() <= 0.01);
+    let mut blurred: Vec<Vec4> = sharp.iter().map(|v| *v * 0.2 + Vec4::splat(0.2)).collect();
+    assert_eq!(coverage(&numbering, &blurred, 0.5), 0.0);
+    keep_coverage(&numbering, &mut blurred, 0.5, wanted);
+    let kept = coverage(&numbering, &blurred, 0.5);
+    assert!((kept - wanted).abs() <= 0.01, "{kept}, not {wanted}");
 }

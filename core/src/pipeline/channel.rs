@@ -78,11 +78,10 @@ pub fn finish_channel(
         }
         let mut wanted = if input.channel.is_normal() { normalized(&values) } else { values.clone() };
         if let Some(cutoff) = input.mask_cutoff {
-            let areas = sample_areas(&numbering);
             if level == 0 {
-                wanted_coverage = coverage(&wanted, &areas, cutoff);
+                wanted_coverage = coverage(&numbering, &wanted, cutoff);
             } else {
-                keep_coverage(&mut wanted, &areas, cutoff, wanted_coverage);
+                keep_coverage(&numbering, &mut wanted, cutoff, wanted_coverage);
             }
         }
         watch.stage(Stage::Assign);
