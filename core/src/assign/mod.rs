@@ -16,7 +16,7 @@ pub use frames::{NormalFrames, choose_frames};
 pub use paint::paint;
 pub use rules::{Rules, rules};
 
-use glam::{Vec3, Vec4, Vec4Swizzles};
+use glam::{DVec3, DVec4, Vec4};
 
 use crate::colors::{Cuts, LevelNumbering};
 use crate::layout::Layout;
@@ -34,12 +34,12 @@ pub struct LevelChannel<'a> {
 impl LevelChannel<'_> {
     /// The value of a sample as the texels of `face` store it, at `(s, t)` of the face's unit domain: the
     /// value itself, or a normal in the face's frame, scaled to [0, 1].
-    fn stored(&self, face: usize, value: Vec4, s: f32, t: f32) -> Vec4 {
+    fn stored(&self, face: usize, value: DVec4, s: f32, t: f32) -> DVec4 {
         match self.frames {
             None => value,
             Some(frames) => {
-                let to_stored = frames.to_stored(self.numbering.canvas, face, s, t);
-                (Vec3::splat(0.5) + to_stored * value.xyz()).extend(1.0)
+                let to_stored = frames.to_stored(self.numbering.canvas, face, s, t).as_dmat3();
+                (DVec3::splat(0.5) + to_stored * value.truncate()).extend(1.0)
             }
         }
     }
@@ -57,6 +57,30 @@ impl LevelChannel<'_> {
         let distance = |a: [u8; 2], b: [u8; 2]| a[0].abs_diff(b[0]) + a[1].abs_diff(b[1]);
         let diagonal = (0..3).find(|&k| distance(corners[k], corners[(k + 1) % 3]) == 2).unwrap_or(1);
         ((diagonal + 2) % 3, diagonal)
+    }
+}
+
+/// The samples of one level as they are to be stored.
+#[derive(Clone, Debug)]
+pub struct LevelValues {
+    pub samples: Vec<Vec4>,
+    /// The vertex samples once more in 64 bits: beyond vertex colors texels weigh them by up to
+    /// `4^(level - r)`.
+    pub fans: Vec<DVec4>,
+}
+
+impl LevelValues {
+    pub fn new(samples: Vec<Vec4>, fan_count: usize) -> Self {
+        let fans = samples[..fan_count].iter().map(|value| value.as_dvec4()).collect();
+        Self { samples, fans }
+    }
+
+    /// Sets one component of one sample.
+    pub fn set(&mut self, sample: usize, component: usize, value: f64) {
+        self.samples[sample][component] = value as f32;
+        if let Some(fan) = self.fans.get_mut(sample) {
+            fan[component] = value;
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Samples to level images.
 
-use glam::{Vec2, Vec4};
+use glam::{DVec2, DVec4, Vec4};
 use rayon::prelude::*;
 
 use crate::colors::FaceGrid;
@@ -9,17 +9,17 @@ use crate::image::{Image, Pixels};
 use crate::layout::{Block, BlockKind};
 use crate::watch::{self, Watch};
 
-use super::{LevelChannel, corner_point, from_right_angle};
+use super::{LevelChannel, LevelValues, corner_point, from_right_angle};
 
 /// Paints one level. `values` are the samples, representable up to rounding.
 ///
 /// Rounding comes last and is shared: copies round the sample once for all faces, and border texels and
 /// points of coarser edges are worked out from rounded samples, so that only their own rounding is left.
 /// Beyond vertex colors the weights are large, so there the samples enter unrounded.
-pub fn paint(channel: &LevelChannel<'_>, values: &[Vec4], watch: &dyn Watch) -> Result<Image> {
+pub fn paint(channel: &LevelChannel<'_>, values: &LevelValues, watch: &dyn Watch) -> Result<Image> {
     let [width, height] = channel.layout.sizes[channel.numbering.level];
     let components = channel.codec.components;
-    let rounded = round_samples(channel, values);
+    let rounded = round_samples(channel, &values.samples);
     let painter = Painter { channel, values, rounded: &rounded, watch, width };
     let pixels = if channel.codec.bits == 8 {
         Pixels::U8(painter.paint(height, |code| code as u8)?)
@@ -38,7 +38,7 @@ fn round_samples(channel: &LevelChannel<'_>, values: &[Vec4]) -> Vec<Vec4> {
 
 struct Painter<'a> {
     channel: &'a LevelChannel<'a>,
-    values: &'a [Vec4],
+    values: &'a LevelValues,
     rounded: &'a [Vec4],
     watch: &'a dyn Watch,
     width: u32,
@@ -120,12 +120,13 @@ impl Painter<'_> {
             numbering.fill(face, self.rounded, grid);
             return;
         }
-        numbering.fill(face, self.values, grid);
+        numbering.fill(face, &self.values.samples, grid);
         let scale = 1.0 / grid.segments as f32;
         for j in 0..=grid.segments {
             let end = if grid.is_triangle { grid.segments - j } else { grid.segments };
             for i in 0..=end {
-                let stored = self.channel.stored(face, grid.at(i, j), i as f32 * scale, j as f32 * scale);
+                let value = grid.at(i, j).as_dvec4();
+                let stored = self.channel.stored(face, value, i as f32 * scale, j as f32 * scale).as_vec4();
                 *grid.at_mut(i, j) = self.channel.codec.round(stored);
             }
         }
@@ -210,7 +211,7 @@ impl Painter<'_> {
     }
 
     /// Stored values at the corners of the block's square, where the faces have them.
-    fn corner_values(&self, faces: &[Option<u32>]) -> [[Option<Vec4>; 2]; 2] {
+    fn corner_values(&self, faces: &[Option<u32>]) -> [[Option<DVec4>; 2]; 2] {
         let mut values = [[None; 2]; 2];
         let numbering = self.channel.numbering;
         for face in faces.iter().flatten().map(|&face| face as usize) {
@@ -219,7 +220,7 @@ impl Painter<'_> {
                 let [x, y] = self.channel.layout.placements[face].corners[corner].map(usize::from);
                 let sample = numbering.topology.fan_of[face][corner] as usize;
                 let (s, t) = corner_point(canvas_face.is_triangle(), corner);
-                values[y][x] = Some(self.channel.stored(face, self.values[sample], s, t));
+                values[y][x] = Some(self.channel.stored(face, self.values.fans[sample], s, t));
             }
         }
         values
@@ -231,19 +232,19 @@ pub(super) struct BeyondCell {
     pub first: [u32; 2],
     /// 2, or 3 where the far side stands exactly on a texel center.
     pub columns_rows: [u32; 2],
-    corner: Vec2,
-    segments_per_texel: f32,
+    corner: DVec2,
+    segments_per_texel: f64,
 }
 
 impl BeyondCell {
     pub fn new(channel: &LevelChannel<'_>, block: &Block, face: usize) -> Self {
         let level = channel.numbering.level;
         let shift = channel.layout.placements[face].shift;
-        let corner = block.corner(level) + Vec2::new(shift as f32, 0.0);
-        let side = block.segments as f32 / (level as f32).exp2();
+        let corner = block.corner(level) + DVec2::new(f64::from(shift), 0.0);
+        let side = f64::from(block.segments) / (level as f64).exp2();
         let first = corner.floor();
         let far = corner + side;
-        let count = |far: f32, first: f32| if far - first >= 1.0 { 3 } else { 2 };
+        let count = |far: f64, first: f64| if far - first >= 1.0 { 3 } else { 2 };
         Self {
             first: [first.x as u32, first.y as u32],
             columns_rows: [count(far.x, first.x), count(far.y, first.y)],
@@ -253,31 +254,32 @@ impl BeyondCell {
     }
 
     /// A texel's place on the block's unit square (far outside it at high levels).
-    pub fn at(&self, dx: u32, dy: u32) -> Vec2 {
-        let texel = Vec2::new((self.first[0] + dx) as f32, (self.first[1] + dy) as f32);
+    pub fn at(&self, dx: u32, dy: u32) -> DVec2 {
+        let texel = DVec2::new(f64::from(self.first[0] + dx), f64::from(self.first[1] + dy));
         (texel - self.corner) * self.segments_per_texel
     }
 }
 
-/// The bilinear function through four corners of the unit square, or the linear one through three.
-fn extrapolated(corners: &[[Option<Vec4>; 2]; 2], at: Vec2) -> Vec4 {
-    let mut value = Vec4::ZERO;
+/// The bilinear function through four corners of the unit square, or the linear one through three. In 64
+/// bits: the weights reach `4^(level - r)`, and their sum is 1.
+fn extrapolated(corners: &[[Option<DVec4>; 2]; 2], at: DVec2) -> Vec4 {
+    let mut value = DVec4::ZERO;
     for ([x, y], weight) in corner_weights(corners.map(|row| row.map(|c| c.is_some())), at) {
-        value += corners[y][x].unwrap_or(Vec4::ZERO) * weight;
+        value += corners[y][x].unwrap_or(DVec4::ZERO) * weight;
     }
-    value
+    value.as_vec4()
 }
 
 /// Weights of the corners of the unit square at a point, four or the three that are there.
-pub(super) fn corner_weights(there: [[bool; 2]; 2], at: Vec2) -> Vec<([usize; 2], f32)> {
+pub(super) fn corner_weights(there: [[bool; 2]; 2], at: DVec2) -> Vec<([usize; 2], f64)> {
     let all = [[0, 0], [1, 0], [0, 1], [1, 1]];
     let Some(missing) = all.into_iter().find(|&[x, y]| !there[y][x]) else {
-        let axis = |k: usize, v: f32| if k == 1 { v } else { 1.0 - v };
+        let axis = |k: usize, v: f64| if k == 1 { v } else { 1.0 - v };
         return all.into_iter().map(|[x, y]| ([x, y], axis(x, at.x) * axis(y, at.y))).collect();
     };
     // Measured from the right angle, which is opposite to what is missing.
     let [rx, ry] = [1 - missing[0], 1 - missing[1]];
-    let along = |corner: usize, v: f32| if corner == 1 { 1.0 - v } else { v };
+    let along = |corner: usize, v: f64| if corner == 1 { 1.0 - v } else { v };
     let (a, b) = (along(rx, at.x), along(ry, at.y));
     vec![([rx, ry], 1.0 - a - b), ([1 - rx, ry], a), ([rx, 1 - ry], b)]
 }

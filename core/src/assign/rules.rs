@@ -19,7 +19,7 @@ use super::{LevelChannel, corner_point, from_right_angle};
 pub struct Rules {
     variables: Vec<u32>,
     first_term: Vec<u32>,
-    terms: Vec<(u32, f32)>,
+    terms: Vec<(u32, f64)>,
     constants: Vec<f32>,
     /// One past the last row of each group.
     group_ends: Vec<u32>,
@@ -36,7 +36,7 @@ impl Rules {
 
     /// Rules given row by row, each a group of its own, for tests of what deals with rules.
     #[cfg(test)]
-    pub fn from_rows(rows: &[(&[(u32, f32)], f32)]) -> Self {
+    pub fn from_rows(rows: &[(&[(u32, f64)], f32)]) -> Self {
         let mut rules = Self::default();
         for (terms, constant) in rows {
             rules.push(terms, *constant);
@@ -70,7 +70,7 @@ impl Rules {
     }
 
     /// `(number of the variable, weight)` of a row.
-    pub fn terms(&self, row: usize) -> &[(u32, f32)] {
+    pub fn terms(&self, row: usize) -> &[(u32, f64)] {
         &self.terms[self.first_term[row] as usize..self.first_term[row + 1] as usize]
     }
 
@@ -86,7 +86,7 @@ impl Rules {
         self.variables = variables;
     }
 
-    fn push(&mut self, terms: &[(u32, f32)], constant: f32) {
+    fn push(&mut self, terms: &[(u32, f64)], constant: f32) {
         if self.first_term.is_empty() {
             self.first_term.push(0);
         }
@@ -132,7 +132,7 @@ pub fn rules(channel: &LevelChannel<'_>) -> Rules {
 /// A weighted sample as a face stores it.
 struct Part {
     sample: u32,
-    weight: f32,
+    weight: f64,
     face: usize,
     at: (f32, f32),
 }
@@ -160,9 +160,9 @@ impl Builder<'_> {
                 let at = (i as f32 * scale, j as f32 * scale);
                 let mut add = |sample, weight| parts.push(Part { sample, weight, face, at });
                 if second != 0.0 {
-                    add(samples[1], weight * second);
+                    add(samples[1], weight * f64::from(second));
                 }
-                add(samples[0], weight * (1.0 - second));
+                add(samples[0], weight * f64::from(1.0 - second));
             }
             self.push(&parts);
             self.rules.end_group();
@@ -207,7 +207,7 @@ impl Builder<'_> {
             let terms: Vec<_> = (parts.iter().zip(&maps))
                 .flat_map(|(part, map)| {
                     let row = map.row(component);
-                    (0u32..3).map(move |k| (part.sample * 3 + k, part.weight * row[k as usize]))
+                    (0u32..3).map(move |k| (part.sample * 3 + k, part.weight * f64::from(row[k as usize])))
                 })
                 .collect();
             // Stored values are 1/2 plus the mapped normal, and the weights of a rule sum to 1.

@@ -1,7 +1,7 @@
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec2, Vec2, Vec3, Vec4};
 
 use super::paint::corner_weights;
-use super::{Codec, LevelChannel, NormalFrames, choose_frames, paint, rules};
+use super::{Codec, LevelChannel, LevelValues, NormalFrames, choose_frames, paint, rules};
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions};
 use crate::image::{Image, Transfer, Wrap, WrapMode, bilinear};
 use crate::layout::{Layout, LayoutRequest, arrange};
@@ -61,7 +61,7 @@ fn triangle_and_quad(exponents: [u8; 2], levels: usize) -> Case {
         mergeable: &vec![false; canvas.edges.len()],
         diagonals: &[1, 0],
         level_count: levels,
-        side_limit: 1024,
+        side_limit: 16_384,
     });
     Case { layout: layout.unwrap(), canvas, resolutions }
 }
@@ -79,7 +79,8 @@ fn painted(case: &Case, level: usize, value: impl Fn(usize) -> f32) -> (Image, V
     };
     let values: Vec<Vec4> = (0..numbering.sample_count()).map(|k| Vec4::splat(value(k))).collect();
     let row_count = rules(&channel).len();
-    (paint(&channel, &values, &Unwatched).unwrap(), values, row_count)
+    let level = LevelValues::new(values.clone(), topology.fan_count());
+    (paint(&channel, &level, &Unwatched).unwrap(), values, row_count)
 }
 
 fn at(case: &Case, image: &Image, level: usize, face: usize, weights: &[(usize, f32)]) -> f32 {
@@ -139,10 +140,10 @@ fn extrapolation_weights_reproduce_their_functions() {
         if let Some([x, y]) = missing {
             there[y][x] = false;
         }
-        let at = Vec2::new(-3.25, 2.5);
+        let at = DVec2::new(-3.25, 2.5);
         let weights = corner_weights(there, at);
-        let sum: f32 = weights.iter().map(|(_, weight)| weight).sum();
-        let linear: f32 = weights.iter().map(|([x, y], weight)| weight * (2.0 * *x as f32 - *y as f32)).sum();
+        let sum: f64 = weights.iter().map(|(_, weight)| weight).sum();
+        let linear: f64 = weights.iter().map(|([x, y], weight)| weight * (2.0 * *x as f64 - *y as f64)).sum();
         assert!((sum - 1.0).abs() < 1e-5);
         assert!((linear - (2.0 * at.x - at.y)).abs() < 1e-4, "{missing:?}: {linear}");
     }
@@ -164,5 +165,24 @@ fn stored_normals_decode_to_what_they_were() {
             crate::math::frame::Frame::blend([0, 1, 2].map(|k| &corners[k]), Vec3::new(1.0 - s - t, s, t));
         let decoded = frame * ((stored * 2.0 - 1.0) * Vec3::new(scale, scale, 1.0));
         assert!(decoded.normalize().angle_between(wanted) < 1e-3, "scale {scale}");
+    }
+}
+
+/// Twelve levels beyond vertex colors the weights are in the millions; a flat color stays what it is.
+#[test]
+fn a_flat_color_stays_flat_at_any_distance() {
+    let case = triangle_and_quad([0, 12], 13);
+    for level in 0..13 {
+        let (image, _, _) = painted(&case, level, |_| 0.7);
+        for weights in [[(0, 0.3), (1, 0.3), (2, 0.4)], [(0, 1.0), (1, 0.0), (2, 0.0)]] {
+            let read = at(&case, &image, level, 0, &weights);
+            assert!((read - 0.7).abs() < 2e-5, "level {level}: {read}");
+        }
+    }
+    let quads = triangle_and_quad([12, 0], 13);
+    for level in 0..13 {
+        let (image, _, _) = painted(&quads, level, |_| 0.7);
+        let read = at(&quads, &image, level, 1, &[(0, 0.25), (1, 0.25), (2, 0.25), (3, 0.25)]);
+        assert!((read - 0.7).abs() < 2e-5, "level {level}: {read}");
     }
 }

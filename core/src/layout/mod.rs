@@ -10,10 +10,10 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-pub use pairing::pair_triangles;
+use pairing::pair_triangles;
 pub use rows::{LayoutRequest, arrange};
 
-use glam::Vec2;
+use glam::{DVec2, Vec2};
 
 /// Texels that a block keeps to the next, at every level: `b` of MCT 3.4, so that footprints stay apart
 /// beyond vertex colors too.
@@ -118,10 +118,10 @@ impl Block {
     }
 
     /// The block's first corner at any level in texels from the center of texel 0; exact.
-    pub fn corner(&self, level: usize) -> Vec2 {
-        let scale = (-(level as f32)).exp2();
-        let axis = |k: usize| self.origin[k] as f32 * scale + self.offset[k] as f32;
-        Vec2::new(axis(0), axis(1))
+    pub fn corner(&self, level: usize) -> DVec2 {
+        let scale = (-(level as f64)).exp2();
+        let axis = |k: usize| f64::from(self.origin[k]) * scale + f64::from(self.offset[k]);
+        DVec2::new(axis(0), axis(1))
     }
 
     /// One past the last texel that the block may touch at a level.

@@ -1,4 +1,5 @@
-//! Which triangles merge into quads: a maximal matching over the edges where merging costs nothing.
+//! Which triangles merge into quads: a maximal matching over the edges where merging costs nothing. It is
+//! greedy, not the maximum by texels saved.
 
 use crate::colors::Resolutions;
 use crate::mesh::CanvasMesh;

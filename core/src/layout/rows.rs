@@ -6,6 +6,9 @@ use crate::mesh::CanvasMesh;
 
 use super::{Block, BlockKind, Layout, Placement, SEPARATION, TWIN_SHIFT, pair_triangles};
 
+/// Larger textures than any device takes, and samples are numbered in 32 bits, three to a normal.
+const SIDE_MAX: u32 = 32_768;
+
 /// What a layout is made from.
 pub struct LayoutRequest<'a> {
     pub canvas: &'a CanvasMesh,
@@ -30,14 +33,19 @@ pub fn arrange(request: &LayoutRequest<'_>) -> Result<Layout> {
         let (first, _) = block.kind.faces();
         (std::cmp::Reverse((block.segments, block.kind.extra_columns())), first)
     });
-    let row_starts = pack(&mut blocks);
-    let sizes: Vec<[u32; 2]> = (0..request.level_count)
-        .map(|level| {
-            let ends = blocks.iter().map(|block| block.end(level));
-            ends.fold([1, 1], |size, end| [size[0].max(end[0]), size[1].max(end[1])])
-        })
-        .collect();
-    check_size(sizes[0], request.side_limit)?;
+    let side_limit = request.side_limit.min(SIDE_MAX);
+    let size_at = |blocks: &[Block], level: usize| {
+        let ends = blocks.iter().map(|block| block.end(level));
+        ends.fold([1, 1], |size, end| [size[0].max(end[0]), size[1].max(end[1])])
+    };
+    let square = square_width(&blocks);
+    let mut row_starts = pack(&mut blocks, square);
+    if size_at(&blocks, 0)[1] > side_limit {
+        // Rows that leave much empty make a square too high; wider ones may fit.
+        row_starts = pack(&mut blocks, side_limit);
+    }
+    check_size(size_at(&blocks, 0), side_limit)?;
+    let sizes: Vec<[u32; 2]> = (0..request.level_count).map(|level| size_at(&blocks, level)).collect();
     let placements = placements(request, &blocks);
     Ok(Layout { blocks, row_starts, placements, sizes })
 }
@@ -78,17 +86,21 @@ fn blocks(request: &LayoutRequest<'_>) -> Vec<Block> {
     blocks
 }
 
+/// The side of a square that holds all blocks with their separation.
+fn square_width(blocks: &[Block]) -> u32 {
+    let padded = |block: &Block| {
+        let side = u64::from(block.segments + SEPARATION);
+        side * (side + u64::from(block.kind.extra_columns()))
+    };
+    (blocks.iter().map(padded).sum::<u64>() as f64).sqrt().ceil() as u32
+}
+
 /// Gives sorted blocks their origins and offsets; returns the first block of each row.
 ///
 /// Along a row `u_s` starts where the block before ends and `u_δ` grows by the separation, so blocks stay
 /// apart at every level; sides are powers of two from large to small, so `u_s` is always a multiple of the
 /// block's own side.
-fn pack(blocks: &mut [Block]) -> Vec<usize> {
-    let padded = |block: &Block| {
-        let side = u64::from(block.segments + SEPARATION);
-        side * (side + u64::from(block.kind.extra_columns()))
-    };
-    let target_width = (blocks.iter().map(padded).sum::<u64>() as f64).sqrt().ceil() as u32;
+fn pack(blocks: &mut [Block], target_width: u32) -> Vec<usize> {
     let mut row_starts = Vec::new();
     let mut origin = [0u32; 2];
     let mut offset = [0u32; 2];

@@ -82,10 +82,6 @@ impl CanvasMesh {
         let second = usize::from(face.is_reversed(edge)) != end;
         (edge + usize::from(second)) % face.count()
     }
-
-    pub fn edge_length(&self, edge: &CanvasEdge) -> f32 {
-        self.positions[edge.vertices[0] as usize].distance(self.positions[edge.vertices[1] as usize])
-    }
 }
 
 /// The triangle (corner numbers) and barycentrics of the point `(s, t)` of a face's unit domain. On a

@@ -136,12 +136,12 @@ fn a_mask_keeps_its_share_of_surface() {
     let numbering = LevelNumbering::new(&mesh, &topology, &resolutions, 0);
     let sharp: Vec<Vec4> =
         (0..numbering.sample_count()).map(|k| Vec4::splat(if k % 4 == 0 { 1.0 } else { 0.0 })).collect();
-    let wanted = coverage(&numbering, &sharp, 0.5);
+    let wanted = coverage(&numbering, &sharp, 0.5, &Unwatched).unwrap();
     assert!((0.05..0.5).contains(&wanted), "{wanted}");
     // A filter pulled alpha to the middle: nothing would pass.
     let mut blurred: Vec<Vec4> = sharp.iter().map(|v| *v * 0.2 + Vec4::splat(0.2)).collect();
-    assert_eq!(coverage(&numbering, &blurred, 0.5), 0.0);
-    keep_coverage(&numbering, &mut blurred, 0.5, wanted);
-    let kept = coverage(&numbering, &blurred, 0.5);
+    assert_eq!(coverage(&numbering, &blurred, 0.5, &Unwatched), Ok(0.0));
+    keep_coverage(&numbering, &mut blurred, (0.5, wanted), &Unwatched).unwrap();
+    let kept = coverage(&numbering, &blurred, 0.5, &Unwatched).unwrap();
     assert!((kept - wanted).abs() <= 0.01, "{kept}, not {wanted}");
 }

@@ -4,7 +4,7 @@ use glam::{Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
 use crate::asset::Slot;
-use crate::assign::{Codec, LevelChannel, NormalFrames, Rules, paint, rules};
+use crate::assign::{Codec, LevelChannel, LevelValues, NormalFrames, Rules, paint, rules};
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions, sample_areas};
 use crate::error::Result;
 use crate::image::{Image, Pixels, Transfer};
@@ -79,9 +79,9 @@ pub fn finish_channel(
         let mut wanted = if input.channel.is_normal() { normalized(&values) } else { values.clone() };
         if let Some(cutoff) = input.mask_cutoff {
             if level == 0 {
-                wanted_coverage = coverage(&numbering, &wanted, cutoff);
+                wanted_coverage = coverage(&numbering, &wanted, cutoff, watch)?;
             } else {
-                keep_coverage(&numbering, &mut wanted, cutoff, wanted_coverage);
+                keep_coverage(&numbering, &mut wanted, (cutoff, wanted_coverage), watch)?;
             }
         }
         watch.stage(Stage::Assign);
@@ -93,6 +93,7 @@ pub fn finish_channel(
             frames: input.frames,
         };
         let rules = rules(&level_channel);
+        let mut wanted = LevelValues::new(wanted, topology.fan_count());
         watch.stage(Stage::Solve);
         finished.solver.extend(represent(&level_channel, &rules, &mut wanted, input.solver, watch)?);
         watch.stage(Stage::Assign);
@@ -122,12 +123,13 @@ fn normalized(values: &[Vec4]) -> Vec<Vec4> {
 fn represent(
     channel: &LevelChannel<'_>,
     rules: &Rules,
-    values: &mut [Vec4],
+    values: &mut LevelValues,
     solver: Solver,
     watch: &dyn Watch,
 ) -> Result<Option<SolverReport>> {
     let systems = if channel.frames.is_some() { vec![System::Normals] } else { System::components(channel) };
-    let wanted: Vec<Vec<f64>> = systems.par_iter().map(|system| system.gather(rules, values)).collect();
+    let wanted: Vec<Vec<f64>> =
+        systems.par_iter().map(|system| system.gather(rules, &values.samples)).collect();
     if wanted.iter().all(|wanted| violated_count(rules, wanted) == 0) {
         return Ok(None);
     }
@@ -146,11 +148,11 @@ fn represent(
     watch::check(watch)?;
     let solutions: Vec<&Solution> =
         (0..systems.len()).filter_map(|k| solved[twins[k].unwrap_or(k)].as_ref()).collect();
-    let before = samples_of(channel, rules, values);
+    let before = samples_of(channel, rules, &values.samples);
     for (system, solution) in systems.iter().zip(&solutions) {
         system.scatter(rules, &solution.values, values);
     }
-    let after = samples_of(channel, rules, values);
+    let after = samples_of(channel, rules, &values.samples);
     let (change_sum_codes, change_max_codes) = changes(channel, &before, &after);
     Ok(Some(SolverReport {
         level: channel.numbering.level as u32,
@@ -160,7 +162,7 @@ fn represent(
         residual: largest(&solutions, |solution| solution.residual),
         dual_residual: largest(&solutions, |solution| solution.dual_residual),
         complementarity: largest(&solutions, |solution| solution.complementarity),
-        change_mean_codes: change_sum_codes / values.len() as f64,
+        change_mean_codes: change_sum_codes / values.samples.len() as f64,
         change_max_codes,
     }))
 }
@@ -217,12 +219,12 @@ impl System {
         }
     }
 
-    fn scatter(self, rules: &Rules, solved: &[f64], values: &mut [Vec4]) {
+    fn scatter(self, rules: &Rules, solved: &[f64], values: &mut LevelValues) {
         for (&variable, &value) in rules.variables().iter().zip(solved) {
             let variable = variable as usize;
             match self {
-                System::Component(k) => values[variable][k] = value as f32,
-                System::Normals => values[variable / 3][variable % 3] = value as f32,
+                System::Component(k) => values.set(variable, k, value),
+                System::Normals => values.set(variable / 3, variable % 3, value),
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::error::{Error, ErrorCode, Result};
 use crate::finished::{self, Finished};
 use crate::measure::{self, Report, SubjectKind};
 use crate::read::{Limits, Upload, read};
-use crate::watch::{Stage, Watch};
+use crate::watch::{self, Stage, Watch};
 use crate::write::{self, BundleFile};
 
 use assemble::assemble;
@@ -94,6 +94,7 @@ fn convert_materials(
 ) -> Result<Vec<MaterialConversion>> {
     let mut materials = Vec::new();
     for material in 0..asset.materials.len() {
+        watch::check(watch)?;
         progress.part(CONVERSION_SHARE / asset.materials.len() as f32);
         materials.extend(convert_material(asset, material, options, limits, watch, progress)?);
     }

@@ -1,11 +1,12 @@
 //! The report of one conversion: what `measure` found, and what was done and why.
 
 use crate::asset::Asset;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Warning};
 use crate::finished::Finished;
 use crate::layout::BlockKind;
 use crate::measure::{
-    self, Effect, EffectState, Extras, Growth, LayoutReport, Measured, Report, SubjectKind, judge,
+    self, ChannelReport, Effect, EffectState, Extras, Growth, LayoutReport, Measured, Report, SolverReport,
+    SubjectKind, judge,
 };
 use crate::write;
 
@@ -48,6 +49,7 @@ pub fn of_conversion(
     report.growth.converted_bytes = converted_bytes;
     report.growth.converted_vertices = write::vertex_count(asset, finished);
     report.warnings.extend(write::losses(asset, finished));
+    report.warnings.extend(report.channels.iter().filter_map(unsolved));
     for layout in &mut report.layouts {
         if let Some(conversion) = materials.iter().find(|m| m.material == layout.material) {
             describe_layout(layout, conversion);
@@ -55,6 +57,26 @@ pub fn of_conversion(
     }
     report.effects = effects(materials, options);
     report
+}
+
+/// What is left of the solver's conditions (slack times multiplier, gradient) beyond which its answer keeps
+/// every rule but is not the nearest.
+const UNSOLVED: f64 = 1e-4;
+
+fn unsolved(channel: &ChannelReport) -> Option<Warning> {
+    let is_left = |level: &&SolverReport| level.dual_residual.max(level.complementarity) > UNSOLVED;
+    let mut levels = channel.solver.iter().filter(is_left);
+    let first = levels.next()?;
+    Some(Warning {
+        code: "solver_stopped_early".to_owned(),
+        detail: format!(
+            "level {}: every texel can be stored, but the samples were changed more than they had to be \
+             (gradient {:.1e}, complementarity {:.1e})",
+            first.level, first.dual_residual, first.complementarity
+        ),
+        pointer: format!("/materials/{}/{}", channel.material, channel.slots.join("+")),
+        count: 1 + levels.count() as u64,
+    })
 }
 
 /// A report of what measuring alone tells.

@@ -31,28 +31,39 @@ pub fn find_cuts(
     let is_cut = |edge: &CanvasEdge| -> Result<bool> {
         watch::check(watch)?;
         let sides = canvas.sides(edge);
-        Ok(sides.len() > 1 && !agree(source, canvas, sides, threshold_codes))
+        Ok(sides.len() > 1 && !agree(source, canvas, sides, threshold_codes, watch)?)
     };
     Ok(Cuts { edges: canvas.edges.par_iter().map(is_cut).collect::<Result<_>>()? })
 }
 
-fn agree(source: &SurfaceSource<'_>, canvas: &CanvasMesh, sides: &[Side], threshold: f32) -> bool {
-    if !source.channel.is_normal()
-        && sides[1..].iter().all(|&side| same_places(source, canvas, sides[0], side))
-    {
-        return true;
+fn agree(
+    source: &SurfaceSource<'_>,
+    canvas: &CanvasMesh,
+    sides: &[Side],
+    threshold: f32,
+    watch: &dyn Watch,
+) -> Result<bool> {
+    let is_same = |&side: &Side| same_places(source, canvas, sides[0], side);
+    if !source.channel.is_normal() && sides[1..].iter().all(is_same) {
+        return Ok(true);
     }
     let point_count = sides.iter().map(|&side| length_texels(source, canvas, side)).fold(0.0, f32::max);
     let point_count = point_count.ceil().clamp(POINTS[0], POINTS[1]) as usize;
-    let profiles: Vec<Vec<Vec4>> =
-        sides.iter().map(|&side| profile(source, canvas, side, point_count)).collect();
-    let close = |a: &[Vec4], b: &[Vec4], threshold| profiles_agree(source, a, b, threshold);
     if sides.len() <= ALL_PAIRS_SIDES {
-        let pairs = (0..sides.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
-        pairs.into_iter().all(|(a, b)| close(&profiles[a], &profiles[b], threshold))
-    } else {
-        profiles[1..].iter().all(|other| close(&profiles[0], other, threshold * 0.5))
+        let profiles: Vec<Vec<Vec4>> =
+            sides.iter().map(|&side| profile(source, canvas, side, point_count)).collect();
+        let mut pairs = (0..sides.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
+        return Ok(pairs.all(|(a, b)| profiles_agree(source, &profiles[a], &profiles[b], threshold)));
     }
+    let first = profile(source, canvas, sides[0], point_count);
+    for &side in &sides[1..] {
+        watch::check(watch)?;
+        let other = profile(source, canvas, side, point_count);
+        if !profiles_agree(source, &first, &other, threshold * 0.5) {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 /// Both ends of a side in texels, low end first.

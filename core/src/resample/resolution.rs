@@ -1,6 +1,6 @@
 //! Resolution exponents (method: matched area, a fixed value, or texels per world unit).
 
-use glam::{Affine3A, Vec2};
+use glam::{Mat3A, Vec2};
 
 use crate::asset::{Asset, Face};
 use crate::colors::Resolutions;
@@ -28,14 +28,13 @@ pub fn resolutions(
     canvas: &CanvasMesh,
     sources: &[SurfaceSource<'_>],
 ) -> Resolutions {
-    let scales = world_scales(asset);
+    let places = largest_instances(asset);
     let faces = canvas.faces.iter().enumerate().map(|(number, face)| {
         let cells = match rule {
             ResolutionRule::Fixed(exponent) => return exponent,
             ResolutionRule::Area(factor) => factor * source_area_texels(sources, number, face),
             ResolutionRule::Density(texels) => {
-                let scale = scales[face.mesh as usize];
-                texels * texels * face.area * scale * scale
+                texels * texels * world_area(canvas, face, &places[face.mesh as usize])
             }
         };
         let segments = (cells * if face.is_triangle() { 2.0 } else { 1.0 }).sqrt();
@@ -59,17 +58,35 @@ fn source_area_texels(sources: &[SurfaceSource<'_>], number: usize, face: &Canva
     sources.iter().map(area).fold(0.0, f32::max)
 }
 
-/// The largest linear scale at which each mesh stands in the scene; 1 where it stands nowhere.
-fn world_scales(asset: &Asset) -> Vec<f32> {
-    let mut scales = vec![0.0f32; asset.meshes.len()];
+/// Instances of one mesh that are looked at: those of the largest matrices.
+const INSTANCES_MAX: usize = 8;
+
+/// By mesh, the matrices of its largest instances.
+fn largest_instances(asset: &Asset) -> Vec<Vec<Mat3A>> {
+    let mut places: Vec<Vec<Mat3A>> = vec![Vec::new(); asset.meshes.len()];
+    let size = |m: &Mat3A| m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared();
     for instance in &asset.instances {
-        let scale = &mut scales[instance.mesh];
-        *scale = scale.max(linear_scale(&instance.transform));
+        let of_mesh = &mut places[instance.mesh];
+        of_mesh.push(instance.transform.matrix3);
+        if of_mesh.len() > INSTANCES_MAX {
+            of_mesh.sort_by(|a, b| size(b).total_cmp(&size(a)));
+            of_mesh.truncate(INSTANCES_MAX);
+        }
     }
-    scales.iter_mut().filter(|scale| **scale == 0.0).for_each(|scale| *scale = 1.0);
-    scales
+    places
 }
 
-fn linear_scale(transform: &Affine3A) -> f32 {
-    transform.matrix3.determinant().abs().cbrt()
+/// The largest area of a face over the places where its mesh stands; its own where it stands nowhere.
+fn world_area(canvas: &CanvasMesh, face: &CanvasFace, places: &[Mat3A]) -> f32 {
+    let shape = Face { corners: face.vertices, count: face.count };
+    let at = |k: usize| canvas.positions[face.vertices[k] as usize];
+    let area = |matrix: &Mat3A| -> f32 {
+        let triangles = shape.triangles().iter();
+        let doubled = triangles.map(|&[a, b, c]| {
+            let [side, other] = [at(b) - at(a), at(c) - at(a)].map(|edge| *matrix * edge);
+            side.cross(other).length()
+        });
+        doubled.sum::<f32>() * 0.5
+    };
+    if places.is_empty() { face.area } else { places.iter().map(area).fold(0.0, f32::max) }
 }

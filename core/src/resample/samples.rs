@@ -14,6 +14,8 @@ use crate::watch::{self, Watch};
 
 /// A cell of the grid is cut into at most this many strata a side.
 const STRATA_MAX: f32 = 8.0;
+/// And a face's side into this many, so that no face takes forever; a coarser look aliases.
+const STRATA_PER_SIDE_MAX: u32 = 4096;
 /// A face of no area still has a say where no other has, in shares of the mean face.
 const AREA_FLOOR: f32 = 1e-9;
 
@@ -50,7 +52,7 @@ pub fn sample(
             let mut view = FaceView::new(source, numbering, face, mean_area);
             match kernel {
                 Kernel::Point => view.fetch_points(),
-                Kernel::Hat => view.integrate_cells(),
+                Kernel::Hat => view.integrate_cells(watch)?,
             }
             Ok(view.hand_out(interior))
         })
@@ -127,50 +129,48 @@ impl<'a> FaceView<'a> {
         let [a, b, c, d] = *self.source.places(self.face);
         // Twice the area of a triangle, that of a quad: what `segments²` cells share.
         let area = if self.is_triangle { (b - a).perp_dot(c - a) } else { 0.5 * (c - a).perp_dot(d - b) };
-        (area.abs().sqrt() / self.segments as f32).round().clamp(1.0, STRATA_MAX) as u32
+        let strata = (area.abs().sqrt() / self.segments as f32).round().clamp(1.0, STRATA_MAX) as u32;
+        strata.min((STRATA_PER_SIDE_MAX / self.segments).max(1))
     }
 
-    fn integrate_cells(&mut self) {
-        let strata = self.strata();
-        if self.is_triangle {
-            self.integrate_triangle(strata);
-        } else {
-            self.integrate_quad(strata);
+    fn integrate_cells(&mut self, watch: &dyn Watch) -> Result<()> {
+        let fine = self.segments * self.strata();
+        for row in 0..fine {
+            watch::check(watch)?;
+            if self.is_triangle {
+                self.integrate_triangle_row(fine, row);
+            } else {
+                self.integrate_quad_row(fine, row);
+            }
         }
+        Ok(())
     }
 
     /// Middles of the edges of small triangles, a third of the area each: exact where the source is linear
     /// over them, since a hat is too. Every edge belongs to one triangle that opens along `+i, +j`, and inside
     /// the face to another one that opens against it.
-    fn integrate_triangle(&mut self, strata: u32) {
-        let fine = self.segments * strata;
-        let scale = 1.0 / strata as f32;
+    fn integrate_triangle_row(&mut self, fine: u32, b: u32) {
+        let scale = self.segments as f32 / fine as f32;
         let share = scale * scale / 3.0;
-        for b in 0..fine {
-            for a in 0..fine - b {
-                let (x, y) = (a as f32, b as f32);
-                let middles =
-                    [(x + 0.5, y, b == 0), (x, y + 0.5, a == 0), (x + 0.5, y + 0.5, a + b + 1 == fine)];
-                for (x, y, is_border) in middles {
-                    let weight = if is_border { share } else { 2.0 * share };
-                    self.add_by_hats(x * scale, y * scale, weight);
-                }
+        for a in 0..fine - b {
+            let (x, y) = (a as f32, b as f32);
+            let middles = [(x + 0.5, y, b == 0), (x, y + 0.5, a == 0), (x + 0.5, y + 0.5, a + b + 1 == fine)];
+            for (x, y, is_border) in middles {
+                let weight = if is_border { share } else { 2.0 * share };
+                self.add_by_hats(x * scale, y * scale, weight);
             }
         }
     }
 
     /// Two Gauss points along each axis of each stratum.
-    fn integrate_quad(&mut self, strata: u32) {
+    fn integrate_quad_row(&mut self, fine: u32, b: u32) {
         /// Half of 1 - 1/sqrt(3).
         const GAUSS: f32 = 0.211_324_87;
-        let fine = self.segments * strata;
-        let scale = 1.0 / strata as f32;
+        let scale = self.segments as f32 / fine as f32;
         let points = [GAUSS, 1.0 - GAUSS];
-        for b in 0..fine {
-            for a in 0..fine {
-                for (x, y) in points.iter().flat_map(|y| points.map(|x| (x, *y))) {
-                    self.add_by_hats((a as f32 + x) * scale, (b as f32 + y) * scale, 0.25 * scale * scale);
-                }
+        for a in 0..fine {
+            for (x, y) in points.iter().flat_map(|y| points.map(|x| (x, *y))) {
+                self.add_by_hats((a as f32 + x) * scale, (b as f32 + y) * scale, 0.25 * scale * scale);
             }
         }
     }

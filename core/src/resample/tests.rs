@@ -142,6 +142,10 @@ fn exponents_follow_their_rule() {
     assert_eq!(with(ResolutionRule::Fixed(3)), [3, 3]);
     // Sides of 1 unit stand at three times that in the scene.
     assert_eq!(with(ResolutionRule::Density(10.0)), [5, 5]);
+    // A flattened instance has no volume, but its faces have their area.
+    let mut flat = asset.clone();
+    flat.instances[0].transform = glam::Affine3A::from_scale(Vec3::new(3.0, 3.0, 0.0));
+    assert_eq!(resolutions(ResolutionRule::Density(10.0), &flat, &canvas, &sources).faces, [5, 5]);
 }
 
 /// Models of any size, down to none at all, are sampled alike.

@@ -56,7 +56,7 @@ pub fn solve(problem: &Problem<'_>, moves: bool, canceled: &(dyn Fn() -> bool + 
             if !state.admit_violated() || canceled() {
                 break;
             }
-            state.solve_islands();
+            state.solve_islands(canceled);
         }
     }
     let residual = state.row_range().map(|row| state.violation(row)).fold(0.0, f64::max);
@@ -71,7 +71,7 @@ pub fn violated_count(rules: &Rules, values: &[f64]) -> u64 {
 
 fn row_value(rules: &Rules, row: usize, values: &[f64]) -> f64 {
     let terms = rules.terms(row).iter();
-    let sum: f64 = terms.map(|&(variable, weight)| values[variable as usize] * f64::from(weight)).sum();
+    let sum: f64 = terms.map(|&(variable, weight)| values[variable as usize] * weight).sum();
     sum + f64::from(rules.constant(row))
 }
 
@@ -90,7 +90,7 @@ struct State<'a> {
     is_touched: Vec<bool>,
     /// Union-find over variables: those that active rows connect.
     parent: Vec<u32>,
-    /// By root variable: the island has a row that it was not solved with.
+    /// By first variable of a row: the row came in after its island was last solved.
     is_stale: Vec<bool>,
     step_count: u64,
     dual_residual: f64,
@@ -123,10 +123,7 @@ impl<'a> State<'a> {
         let rules = self.problem.rules;
         match row.checked_sub(rules.len()) {
             Some(variable) => IslandRow { terms: vec![(variable as u32, 1.0)], constant: 0.0 },
-            None => IslandRow {
-                terms: rules.terms(row).iter().map(|&(v, weight)| (v, f64::from(weight))).collect(),
-                constant: f64::from(rules.constant(row)),
-            },
+            None => IslandRow { terms: rules.terms(row).to_vec(), constant: f64::from(rules.constant(row)) },
         }
     }
 
@@ -190,9 +187,6 @@ impl<'a> State<'a> {
             let (a, b) = (self.root(first), self.root(variable));
             self.parent[a.max(b) as usize] = a.min(b);
         }
-        let root = self.root(first);
-        self.is_stale[root as usize] = true;
-        // A root that another one swallowed later is found again through any of its rows.
         self.is_stale[first as usize] = true;
     }
 
@@ -206,7 +200,7 @@ impl<'a> State<'a> {
     }
 
     /// Solves every island that has new rows, and writes its variables.
-    fn solve_islands(&mut self) {
+    fn solve_islands(&mut self, canceled: &(dyn Fn() -> bool + Sync)) {
         let mut rows = std::mem::take(&mut self.active_rows);
         let mut keyed: Vec<(u32, usize)> = Vec::with_capacity(rows.len());
         let mut stale_roots = vec![false; self.parent.len()];
@@ -224,7 +218,7 @@ impl<'a> State<'a> {
             .collect();
         let Problem { wanted, weights, center, .. } = *self.problem;
         let outcomes: Vec<Outcome> =
-            islands.par_iter().map(|island| island.solve(wanted, weights, center)).collect();
+            islands.par_iter().map(|island| island.solve(wanted, weights, center, canceled)).collect();
         for (island, outcome) in islands.iter().zip(outcomes) {
             for (&variable, value) in island.variables().iter().zip(outcome.values) {
                 self.values[variable as usize] = value;

@@ -67,12 +67,18 @@ impl Island {
     }
 
     /// `wanted` and `weights` are indexed by the problem's variables; `center` keeps every rule.
-    pub fn solve(&self, wanted: &[f64], weights: &[f64], center: f64) -> Outcome {
+    pub fn solve(
+        &self,
+        wanted: &[f64],
+        weights: &[f64],
+        center: f64,
+        canceled: &(dyn Fn() -> bool + Sync),
+    ) -> Outcome {
         let pick = |all: &[f64]| self.variables.iter().map(|&v| all[v as usize]).collect::<Vec<f64>>();
         let mut iterate = Iterate::new(self, pick(wanted), pick(weights), center);
         let mut step_count = 0;
         if let Some(system) = System::new(self) {
-            while step_count < STEPS_MAX && !iterate.is_good() {
+            while step_count < STEPS_MAX && !iterate.is_good() && !canceled() {
                 // Rounding ends the method where the system can no longer be factored or no step is left; the
                 // iterate keeps every rule all the same.
                 if !iterate.step(&system) {
@@ -80,6 +86,9 @@ impl Island {
                 }
                 step_count += 1;
             }
+        }
+        if !iterate.is_good() {
+            iterate.approach_wanted();
         }
         let (dual_residual, complementarity) = (iterate.dual_residual(), iterate.complementarity());
         Outcome { values: iterate.values, step_count, dual_residual, complementarity }
@@ -172,6 +181,18 @@ impl<'a> Iterate<'a> {
             self.slack[side].iter().zip(&self.multipliers[side]).map(|(s, z)| s * z).sum()
         };
         (products(0) + products(1)) / (2 * self.slack[0].len()) as f64
+    }
+
+    /// Goes straight towards the wanted values as far as every rule holds: what can be said without the
+    /// optimum is at least nearer than the center.
+    fn approach_wanted(&mut self) {
+        let values: Vec<f64> = self.wanted.iter().zip(&self.values).map(|(c, y)| c - y).collect();
+        let low = self.island.apply(&values);
+        let slack = [low.clone(), low.iter().map(|d| -d).collect()];
+        let multipliers = [vec![0.0; low.len()], vec![0.0; low.len()]];
+        let direction = Direction { values, slack, multipliers };
+        let length = self.reach(&direction).min(1.0);
+        self.advance(&direction, length);
     }
 
     fn dual_residual(&self) -> f64 {

@@ -39,12 +39,12 @@ fn without_moves_the_damage_is_told() {
 }
 
 /// Corners of a face `2^levels` beyond vertex colors: two texels a side, the corners `1/m` of a texel apart.
-fn beyond_rows(first: u32, m: f32, offset: f32) -> Vec<(Vec<(u32, f32)>, f32)> {
-    let weights = |s: f32| [1.0 - s, s];
+fn beyond_rows(first: u32, m: f64, offset: f64) -> Vec<(Vec<(u32, f64)>, f32)> {
+    let weights = |s: f64| [1.0 - s, s];
     let mut rows = Vec::new();
     for y in 0..2 {
         for x in 0..2 {
-            let (s, t) = ((x as f32 - offset) * m, (y as f32 - offset) * m);
+            let (s, t) = ((f64::from(x) - offset) * m, (f64::from(y) - offset) * m);
             let (ws, wt) = (weights(s), weights(t));
             let terms = (0..4).map(|k| (first + k, ws[k as usize % 2] * wt[k as usize / 2]));
             rows.push((terms.collect(), 0.0));
@@ -62,16 +62,16 @@ proptest! {
     fn chains_far_beyond_vertex_colors_are_solved(
         wanted in prop::collection::vec(0.0f64..1.0, 24),
         level in 1u32..12,
-        offset in 0.0f32..0.9,
+        offset in 0.0f64..0.9,
         nudge in prop::collection::vec(-1.0f64..1.0, 24),
     ) {
-        let m = (1u32 << level) as f32;
+        let m = f64::from(1u32 << level);
         let mut rows = Vec::new();
         // Faces overlap in two corners each, as in a strip.
         for face in 0..11 {
             rows.extend(beyond_rows(2 * face, m, offset * (1.0 - 1.0 / m)));
         }
-        let borrowed: Vec<(&[(u32, f32)], f32)> = rows.iter().map(|(terms, k)| (terms.as_slice(), *k)).collect();
+        let borrowed: Vec<(&[(u32, f64)], f32)> = rows.iter().map(|(terms, k)| (terms.as_slice(), *k)).collect();
         let rules = Rules::from_rows(&borrowed);
         let solution = run(&rules, &wanted, true);
         prop_assert!(solution.residual <= TOLERANCE, "{solution:?}");
@@ -91,7 +91,7 @@ proptest! {
 #[test]
 fn rules_with_constants_center_on_zero() {
     let direction = Vec3::new(0.6, 0.0, 0.8);
-    let terms: Vec<(u32, f32)> = (0u32..3).map(|k| (k, direction[k as usize])).collect();
+    let terms: Vec<(u32, f64)> = (0u32..3).map(|k| (k, f64::from(direction[k as usize]))).collect();
     let rules = Rules::from_rows(&[(&terms, 0.5)]);
     let wanted = [0.6, 0.0, 0.8];
     let weights = [1.0; 3];

@@ -4,9 +4,9 @@
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 use meshcolor::asset::{Primitive, Slot};
 use meshcolor::finished::FinishedPrimitive;
+use meshcolor::source::tangents;
 
 use super::surface::{Coordinate, Surface};
-use super::tangents::{Corners, tangents};
 
 /// Where a corner's attributes stand in its record, in floats. Position is at 0, normal at 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,8 +171,8 @@ struct Frames<'a> {
     converted: Option<&'a FinishedPrimitive>,
     /// Normal of each triangle, where the source has no normals (glTF: flat shading).
     flat: Vec<Vec3>,
-    /// One for each corner, where the source has no tangents and needs some.
-    generated: Vec<Vec4>,
+    /// Of each triangle's corners, where the source has no tangents and needs some.
+    generated: Vec<[Vec4; 3]>,
 }
 
 impl<'a> Frames<'a> {
@@ -190,16 +190,15 @@ impl<'a> Frames<'a> {
                 Coordinate::Uv { set, .. } => input.surface.uv_sets.get(set),
                 Coordinate::Mesh => None,
             });
-            let corners = triangles.iter().enumerate().flat_map(|(t, v)| (0..3).map(move |c| (t, c, v[c])));
-            let uv = |vertex: u32| {
-                let uvs = set.and_then(|set| Some((set, primitive.texcoords.get(set.texcoord)?)));
-                uvs.map_or(Vec2::ZERO, |(set, uvs)| set.transform.apply(uvs[vertex as usize]))
-            };
-            frames.generated = tangents(&Corners {
-                positions: corners.clone().map(|(_, _, v)| primitive.positions[v as usize]).collect(),
-                normals: corners.clone().map(|(t, c, _)| frames.normal(t, c)).collect(),
-                uvs: corners.map(|(_, _, v)| uv(v)).collect(),
-            });
+            let (texcoord, transform) =
+                set.map_or_else(Default::default, |set| (set.texcoord, set.transform));
+            let by_face = tangents::frames(primitive, texcoord, transform);
+            // Drawn triangles stand in face order on both sides.
+            frames.generated = (primitive.faces.iter().zip(&by_face))
+                .flat_map(|(face, frames)| {
+                    face.triangles().iter().map(|t| t.map(|corner| frames[corner].tangent))
+                })
+                .collect();
         }
         frames
     }
@@ -218,7 +217,7 @@ impl<'a> Frames<'a> {
             None if self.generated.is_empty() => {
                 self.input.tangents[self.triangles[triangle][corner] as usize]
             }
-            None => self.generated[3 * triangle + corner],
+            None => self.generated[triangle][corner],
         }
     }
 }

@@ -5,7 +5,6 @@ pub mod check;
 pub mod geometry;
 mod mips;
 pub mod surface;
-mod tangents;
 pub mod texture;
 pub mod views;
 
