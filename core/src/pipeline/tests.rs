@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 use super::*;
 use crate::asset::{Face, Material, Mesh, Primitive, Slot, TextureRef, UvTransform};
@@ -134,7 +135,12 @@ fn jumps(asset: &Asset, finished: &Finished) -> Vec<f32> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: 24,
+        rng_seed: RngSeed::Fixed(7),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
 
     /// Invariant 1, continuity: with every edge joined, noise has no seam at any level but rounding.
     #[test]

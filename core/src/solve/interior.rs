@@ -12,6 +12,8 @@ use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
 
 /// Mean of slack times multiplier at which a solution is good: slack of active rules in the order of 1e-8.
 const COMPLEMENTARITY: f64 = 1e-11;
+/// Below this steps only lose digits.
+const EXHAUSTED: f64 = 1e-14;
 /// Largest entry of the gradient at which a solution is good: a change in the order of 1e-8.
 const STATIONARITY: f64 = 1e-8;
 const STEPS_MAX: u64 = 60;
@@ -78,13 +80,25 @@ impl Island {
         let mut iterate = Iterate::new(self, pick(wanted), pick(weights), center);
         let mut step_count = 0;
         if let Some(system) = System::new(self) {
+            let mut best: Option<(f64, Vec<f64>, [Vec<f64>; 2])> = None;
             while step_count < STEPS_MAX && !iterate.is_good() && !canceled() {
-                // Rounding ends the method where the system can no longer be factored or no step is left; the
-                // iterate keeps every rule all the same.
-                if !iterate.step(&system) {
+                // Rounding ends the method where the system can no longer be factored, where no step is left
+                // or where slack and multipliers have lost their digits; every iterate keeps every rule.
+                if iterate.complementarity() < EXHAUSTED || !iterate.step(&system) {
                     break;
                 }
                 step_count += 1;
+                let rest = iterate.dual_residual();
+                if iterate.complementarity() <= COMPLEMENTARITY
+                    && best.as_ref().is_none_or(|(least, ..)| rest < *least)
+                {
+                    best = Some((rest, iterate.values.clone(), iterate.multipliers.clone()));
+                }
+            }
+            if let Some((_, values, multipliers)) =
+                best.filter(|(least, ..)| *least < iterate.dual_residual())
+            {
+                iterate.restore(values, multipliers);
             }
         }
         if !iterate.is_good() {
@@ -183,6 +197,15 @@ impl<'a> Iterate<'a> {
         (products(0) + products(1)) / (2 * self.slack[0].len()) as f64
     }
 
+    /// Goes back to an earlier point.
+    fn restore(&mut self, values: Vec<f64>, multipliers: [Vec<f64>; 2]) {
+        let rows = self.island.apply(&values);
+        self.slack[0] = rows.iter().zip(&self.island.low).map(|(row, low)| row - low).collect();
+        self.slack[1] = rows.iter().zip(&self.island.high).map(|(row, high)| high - row).collect();
+        self.values = values;
+        self.multipliers = multipliers;
+    }
+
     /// Goes straight towards the wanted values as far as every rule holds: what can be said without the
     /// optimum is at least nearer than the center.
     fn approach_wanted(&mut self) {
@@ -191,7 +214,7 @@ impl<'a> Iterate<'a> {
         let slack = [low.clone(), low.iter().map(|d| -d).collect()];
         let multipliers = [vec![0.0; low.len()], vec![0.0; low.len()]];
         let direction = Direction { values, slack, multipliers };
-        let length = self.reach(&direction).min(1.0);
+        let length = self.reach(&direction).clamp(0.0, 1.0);
         self.advance(&direction, length);
     }
 
