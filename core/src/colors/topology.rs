@@ -1,5 +1,6 @@
 //! Who shares a sample: fans of corners around vertices, strips along edges.
 
+use crate::math::partition::Partition;
 use crate::mesh::{CanvasMesh, Side};
 
 use super::{Cuts, Resolutions};
@@ -80,22 +81,22 @@ type Fans = (Vec<[u32; 4]>, Vec<u32>, Vec<(u32, u8)>);
 
 /// Joins the corners that uncut edges connect (union by lowest number, so the outcome has one order).
 fn fans(canvas: &CanvasMesh, cuts: &Cuts) -> Fans {
-    let mut parent: Vec<u32> = (0..canvas.faces.len() as u32 * 4).collect();
+    let mut partition = Partition::new(canvas.faces.len() * 4);
     let corner_id = |side: Side, end: usize| side.face * 4 + canvas.corner_at_end(side, end) as u32;
     for (edge, _) in canvas.edges.iter().zip(&cuts.edges).filter(|(_, cut)| !**cut) {
         let sides = canvas.sides(edge);
         for &other in &sides[1..] {
             for end in 0..2 {
-                join(&mut parent, corner_id(sides[0], end), corner_id(other, end));
+                partition.join(corner_id(sides[0], end), corner_id(other, end));
             }
         }
     }
     let mut fan_of = vec![[0; 4]; canvas.faces.len()];
-    let mut number_of_root = vec![u32::MAX; parent.len()];
+    let mut number_of_root = vec![u32::MAX; canvas.faces.len() * 4];
     let mut sizes = Vec::new();
     for (number, face) in canvas.faces.iter().enumerate() {
         for (corner, fan) in fan_of[number][..face.count()].iter_mut().enumerate() {
-            let root = find(&mut parent, number as u32 * 4 + corner as u32) as usize;
+            let root = partition.root(number as u32 * 4 + corner as u32) as usize;
             if number_of_root[root] == u32::MAX {
                 number_of_root[root] = sizes.len() as u32;
                 sizes.push(0);
@@ -118,18 +119,4 @@ fn fans(canvas: &CanvasMesh, cuts: &Cuts) -> Fans {
         }
     }
     (fan_of, first, corners)
-}
-
-fn find(parent: &mut [u32], mut at: u32) -> u32 {
-    while parent[at as usize] != at {
-        let up = parent[at as usize];
-        parent[at as usize] = parent[up as usize];
-        at = up;
-    }
-    at
-}
-
-fn join(parent: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (find(parent, a), find(parent, b));
-    parent[a.max(b) as usize] = a.min(b);
 }

@@ -1,5 +1,6 @@
-//! Numbers without a subject: color transfer, tangent frames, weighted means.
+//! Numbers without a subject: color transfer, tangent frames, weighted means, disjoint sets.
 
 pub mod frame;
 pub mod mean;
+pub mod partition;
 pub mod transfer;

@@ -5,13 +5,12 @@ use rayon::prelude::*;
 
 use crate::asset::Slot;
 use crate::assign::{Codec, LevelChannel, LevelValues, NormalFrames, Rules, paint, rules};
-use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions, sample_areas};
+use crate::colors::{Cuts, LevelNumbering, Resolutions, sample_areas};
 use crate::error::Result;
 use crate::image::{Image, Pixels, Transfer};
 use crate::layout::Layout;
 use crate::math::transfer::linear_to_srgb;
 use crate::measure::SolverReport;
-use crate::mesh::CanvasMesh;
 use crate::mip::{coarsen, coverage, keep_coverage};
 use crate::solve::{Problem, Solution, solve, violated_count};
 use crate::source::SourceChannel;
@@ -46,11 +45,10 @@ pub struct FinishedChannel {
     pub keeps_coverage: bool,
 }
 
-/// Builds, solves and paints every level.
+/// Builds, solves and paints every level. `samples` and their `numbering` are those of level 0.
 pub fn finish_channel(
     input: ChannelInput<'_>,
-    canvas: &CanvasMesh,
-    topology: &ChannelTopology,
+    mut numbering: LevelNumbering<'_>,
     samples: Vec<Vec4>,
     watch: &dyn Watch,
 ) -> Result<FinishedChannel> {
@@ -66,7 +64,7 @@ pub fn finish_channel(
         is_alpha_weighted: by_alpha,
         keeps_coverage: input.mask_cutoff.is_some(),
     };
-    let mut numbering = LevelNumbering::new(canvas, topology, input.resolutions, 0);
+    let (canvas, topology) = (numbering.canvas, numbering.topology);
     let mut values = samples;
     let mut wanted_coverage = 0.0;
     for level in 0..input.layout.level_count() {

@@ -85,7 +85,7 @@ pub fn convert_material(
             mask_cutoff: mask_cutoff(asset, source.channel),
             solver: options.solver,
         };
-        finished.push(finish_channel(input, &canvas, &topology, samples, watch)?);
+        finished.push(finish_channel(input, numbering, samples, watch)?);
         progress.advance(0.8 / sources.len() as f32);
     }
     drop(sources);

@@ -5,6 +5,7 @@
 use rayon::prelude::*;
 
 use crate::assign::Rules;
+use crate::math::partition::Partition;
 
 use super::interior::{Island, IslandRow, Outcome};
 
@@ -88,8 +89,8 @@ struct State<'a> {
     active_rows: Vec<usize>,
     /// By variable: an active row is about it.
     is_touched: Vec<bool>,
-    /// Union-find over variables: those that active rows connect.
-    parent: Vec<u32>,
+    /// Variables that active rows connect.
+    islands: Partition,
     /// By first variable of a row: the row came in after its island was last solved.
     is_stale: Vec<bool>,
     step_count: u64,
@@ -106,7 +107,7 @@ impl<'a> State<'a> {
             is_active: vec![false; problem.rules.group_count() + variable_count],
             active_rows: Vec::new(),
             is_touched: vec![false; variable_count],
-            parent: (0..variable_count as u32).collect(),
+            islands: Partition::new(variable_count),
             is_stale: vec![false; variable_count],
             step_count: 0,
             dual_residual: 0.0,
@@ -184,34 +185,32 @@ impl<'a> State<'a> {
         let Some(&(first, _)) = terms.first() else { return };
         for &(variable, _) in &terms {
             self.is_touched[variable as usize] = true;
-            let (a, b) = (self.root(first), self.root(variable));
-            self.parent[a.max(b) as usize] = a.min(b);
+            self.islands.join(first, variable);
         }
         self.is_stale[first as usize] = true;
     }
 
-    fn root(&mut self, mut at: u32) -> u32 {
-        while self.parent[at as usize] != at {
-            let up = self.parent[at as usize];
-            self.parent[at as usize] = self.parent[up as usize];
-            at = up;
+    /// What says which island a row is in: a row without terms binds nothing and is in the first.
+    fn first_variable(&self, row: usize) -> u32 {
+        let rules = self.problem.rules;
+        match row.checked_sub(rules.len()) {
+            Some(variable) => variable as u32,
+            None => rules.terms(row).first().map_or(0, |term| term.0),
         }
-        at
     }
 
     /// Solves every island that has new rows, and writes its variables.
     fn solve_islands(&mut self, canceled: &(dyn Fn() -> bool + Sync)) {
-        let mut rows = std::mem::take(&mut self.active_rows);
-        let mut keyed: Vec<(u32, usize)> = Vec::with_capacity(rows.len());
-        let mut stale_roots = vec![false; self.parent.len()];
-        for &row in &rows {
-            let first = self.row(row).terms.first().map_or(0, |term| term.0);
-            let root = self.root(first);
+        let mut keyed: Vec<(u32, usize)> = Vec::with_capacity(self.active_rows.len());
+        let mut stale_roots = vec![false; self.values.len()];
+        for at in 0..self.active_rows.len() {
+            let row = self.active_rows[at];
+            let first = self.first_variable(row);
+            let root = self.islands.root(first);
             stale_roots[root as usize] |= std::mem::take(&mut self.is_stale[first as usize]);
             keyed.push((root, row));
         }
         keyed.sort_unstable();
-        self.is_stale.fill(false);
         let islands: Vec<Island> = (keyed.chunk_by(|a, b| a.0 == b.0))
             .filter(|chunk| stale_roots[chunk[0].0 as usize])
             .map(|chunk| Island::new(chunk.iter().map(|&(_, row)| self.row(row)).collect()))
@@ -227,6 +226,5 @@ impl<'a> State<'a> {
             self.dual_residual = self.dual_residual.max(outcome.dual_residual);
             self.complementarity = self.complementarity.max(outcome.complementarity);
         }
-        std::mem::swap(&mut self.active_rows, &mut rows);
     }
 }
