@@ -21,6 +21,26 @@ use glam::{DVec3, DVec4, Vec4};
 use crate::colors::{Cuts, LevelNumbering};
 use crate::layout::Layout;
 
+/// How levels beyond vertex colors are stored where they leave [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Range {
+    /// As every other level: codes of the source's bits.
+    Unorm8,
+    /// 16 bits of linear values with a scale and a bias of the level.
+    Scaled16,
+    /// Half floats of linear values.
+    Float16,
+}
+
+/// How values become codes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rounding {
+    /// Each texel to the nearest code.
+    Nearest,
+    /// Samples first; texels that are made of samples from rounded ones.
+    Rules,
+}
+
 /// One channel at one level, as rules and texels are made from it.
 pub struct LevelChannel<'a> {
     pub layout: &'a Layout,

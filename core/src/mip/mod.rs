@@ -12,3 +12,21 @@ mod tests;
 
 pub use coverage::{coverage, keep_coverage};
 pub use filter::coarsen;
+
+/// What a coarse sample weighs the fine ones around it by, beside its hat function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MipFilter {
+    /// Nothing: MC equations 5 and 6.
+    Uniform,
+    /// The surface area that each stands for.
+    Area,
+}
+
+/// How levels go on where a face is at vertex colors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Beyond {
+    /// MC equation 6 over the neighboring vertices.
+    OneRing,
+    /// Implicit heat flow over the surface.
+    Heat,
+}

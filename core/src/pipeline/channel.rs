@@ -12,11 +12,9 @@ use crate::layout::Layout;
 use crate::math::transfer::linear_to_srgb;
 use crate::measure::SolverReport;
 use crate::mip::{coarsen, coverage, keep_coverage};
-use crate::solve::{Problem, Solution, solve, violated_count};
+use crate::solve::{Problem, Solution, Solver, solve, violated_count};
 use crate::source::SourceChannel;
 use crate::watch::{self, Stage, Watch};
-
-use super::options::Solver;
 
 /// A sample counts for at least this share of the mean sample in the solver's objective: faces of no area
 /// must not make it singular.

@@ -9,13 +9,13 @@ use crate::error::Result;
 use crate::layout::{BlockKind, Layout, LayoutRequest, arrange};
 use crate::mesh::{CanvasEdge, CanvasFace, CanvasMesh, Polygons, Side, build};
 use crate::read::Limits;
-use crate::resample::{Kernel, ResolutionRule, find_cuts, resolutions, sample};
+use crate::resample::{find_cuts, resolutions, sample};
 use crate::source::tangents::corner_normals;
 use crate::source::{ChannelKind, SourceChannel, SurfaceSource, channels};
 use crate::watch::{Stage, Watch};
 
 use super::channel::{ChannelInput, FinishedChannel, finish_channel};
-use super::options::{Options, Resolution, Sampling};
+use super::options::Options;
 use super::progress::Progress;
 
 /// A converted material: its layout, and its channels with what was done to each.
@@ -49,7 +49,7 @@ pub fn convert_material(
     watch.stage(Stage::Resample);
     let sources: Vec<SurfaceSource<'_>> =
         source_channels.iter().map(|channel| SurfaceSource::new(channel, asset, &canvas)).collect();
-    let resolutions = resolutions(rule(options.resolution), asset, &canvas, &sources);
+    let resolutions = resolutions(options.resolution, asset, &canvas, &sources);
     let cuts: Vec<Cuts> = (sources.iter())
         .map(|source| find_cuts(source, &canvas, options.cut_codes, watch))
         .collect::<Result<_>>()?;
@@ -71,11 +71,7 @@ pub fn convert_material(
         let topology = ChannelTopology::new(&canvas, &resolutions, &cuts);
         let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
         watch.stage(Stage::Resample);
-        let kernel = match options.sampling {
-            Sampling::Point => Kernel::Point,
-            Sampling::Filtered => Kernel::Hat,
-        };
-        let samples = sample(source, &numbering, kernel, watch)?;
+        let samples = sample(source, &numbering, options.sampling, watch)?;
         let input = ChannelInput {
             channel: source.channel,
             resolutions: &resolutions,
@@ -90,14 +86,6 @@ pub fn convert_material(
     }
     drop(sources);
     Ok(Some(MaterialConversion { material, canvas, resolutions, layout, frames, channels: finished }))
-}
-
-fn rule(resolution: Resolution) -> ResolutionRule {
-    match resolution {
-        Resolution::Area(texels) => ResolutionRule::Area(texels),
-        Resolution::Fixed(exponent) => ResolutionRule::Fixed(exponent),
-        Resolution::Density(texels) => ResolutionRule::Density(texels),
-    }
 }
 
 fn mask_cutoff(asset: &Asset, channel: &SourceChannel<'_>) -> Option<f32> {

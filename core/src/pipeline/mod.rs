@@ -9,8 +9,12 @@ mod report;
 #[cfg(test)]
 mod tests;
 
+pub use crate::assign::{Range, Rounding};
 pub use crate::measure::Focus;
-pub use options::{OPTIONS, OptionSpec, Options, Resolution, Sampling, Solver};
+pub use crate::mip::{Beyond, MipFilter};
+pub use crate::resample::{Resolution, Sampling};
+pub use crate::solve::Solver;
+pub use options::{OPTIONS, OptionSpec, Options, Quality};
 
 use crate::asset::Asset;
 use crate::error::{Error, ErrorCode, Result};

@@ -3,53 +3,54 @@
 
 use serde_json::{Map, Value};
 
+use crate::assign::{Range, Rounding};
 use crate::error::{Error, ErrorCode, Result};
+use crate::mip::{Beyond, MipFilter};
+use crate::resample::{Resolution, Sampling};
+use crate::solve::Solver;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
+    /// The preset that the rungs below were taken from; each may have been set by itself since.
+    pub quality: Quality,
     pub sampling: Sampling,
     pub resolution: Resolution,
+    pub mip: MipFilter,
+    pub beyond: Beyond,
     pub solver: Solver,
+    pub range: Range,
+    pub rounding: Rounding,
     /// Edges whose two sides differ by more than this many codes are kept as cuts.
     pub cut_codes: f32,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self {
-            sampling: Sampling::Filtered,
-            resolution: Resolution::Area(1.0),
-            solver: Solver::Global,
-            cut_codes: 8.0,
-        }
+        Self::of(Quality::Standard)
     }
 }
 
+/// A set of rungs, one of each ladder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sampling {
-    /// One bilinear fetch at the sample's position.
-    Point,
-    /// The source integrated against the sample's hat function.
-    Filtered,
+pub enum Quality {
+    Draft,
+    Standard,
+    Exact,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Resolution {
-    /// Texels per source texel, by area.
-    Area(f32),
-    /// One exponent for every face: sides of `2^r` segments.
-    Fixed(u8),
-    /// Texels per world unit.
-    Density(f32),
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Solver {
-    /// No solve: texels out of range are clamped (shows the damage).
-    Clamp,
-    /// The whole level at once, to a stated tolerance.
-    Global,
-}
+const QUALITIES: &[(&str, Quality)] =
+    &[("draft", Quality::Draft), ("standard", Quality::Standard), ("exact", Quality::Exact)];
+const MIP_FILTERS: &[(&str, MipFilter)] = &[("uniform", MipFilter::Uniform), ("area", MipFilter::Area)];
+const BEYONDS: &[(&str, Beyond)] = &[("one-ring", Beyond::OneRing), ("heat", Beyond::Heat)];
+const SOLVERS: &[(&str, Solver)] = &[
+    ("clamp", Solver::Clamp),
+    ("local", Solver::Local),
+    ("global", Solver::Global),
+    ("exact", Solver::Exact),
+];
+const RANGES: &[(&str, Range)] =
+    &[("unorm8", Range::Unorm8), ("scaled16", Range::Scaled16), ("float16", Range::Float16)];
+const ROUNDINGS: &[(&str, Rounding)] = &[("nearest", Rounding::Nearest), ("rules", Rounding::Rules)];
 
 /// One option as every interface shows it.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +59,10 @@ pub struct OptionSpec {
     pub name: &'static str,
     /// What stands for the value in help texts.
     pub value_name: &'static str,
+    /// Without the option; of the preset `standard` where the option follows the quality.
     pub default: &'static str,
+    /// Whether `quality` sets it too, for whoever doesn't name it.
+    pub follows_quality: bool,
     /// The values that are allowed, in words.
     pub allowed: &'static str,
     pub doc: &'static str,
@@ -66,58 +70,127 @@ pub struct OptionSpec {
 
 pub const OPTIONS: &[OptionSpec] = &[
     OptionSpec {
+        name: "quality",
+        value_name: "PRESET",
+        default: "standard",
+        follows_quality: false,
+        allowed: "draft, standard, exact",
+        doc: "A set of rungs, one of each ladder below; a rung that is named by itself counts before it",
+    },
+    OptionSpec {
         name: "sampling",
         value_name: "RUNG",
         default: "filtered",
-        allowed: "point, filtered",
-        doc: "How a sample gets its value: one bilinear fetch, or the source integrated against the sample's hat function",
+        follows_quality: true,
+        allowed: "point, filtered or filtered:K with K in 1..=16 (fetches along a side of a cell; without K, one for each source texel), fitted",
+        doc: "How a sample gets its value: one bilinear fetch, the source integrated against the sample's hat function, or the samples whose interpolation is nearest to the source",
     },
     OptionSpec {
         name: "resolution",
         value_name: "RULE",
         default: "area:1",
+        follows_quality: false,
         allowed: "area:F with F in 0.001..=64 (texels per source texel), fixed:R with R in 0..=12 (sides of 2^R segments), density:D with D in 1e-6..=1e9 (texels per world unit)",
         doc: "How many samples a face gets",
+    },
+    OptionSpec {
+        name: "mip",
+        value_name: "RUNG",
+        default: "uniform",
+        follows_quality: true,
+        allowed: "uniform, area",
+        doc: "How a coarse sample weighs the fine ones around it: by its hat function alone, or by their surface area too",
+    },
+    OptionSpec {
+        name: "beyond",
+        value_name: "RUNG",
+        default: "one-ring",
+        follows_quality: true,
+        allowed: "one-ring, heat",
+        doc: "How levels go on where a face is down to its vertices: the mean over neighboring vertices, or heat flow over the surface",
     },
     OptionSpec {
         name: "solver",
         value_name: "RUNG",
         default: "global",
-        allowed: "clamp, global",
-        doc: "What is done about texels outside the format's range: clamp them, or change the samples as little as possible",
+        follows_quality: true,
+        allowed: "clamp, local, global, exact",
+        doc: "What is done about texels outside the format's range: clamp them, change samples face by face, the least change of the whole level, or the same by a library (slow)",
+    },
+    OptionSpec {
+        name: "range",
+        value_name: "RUNG",
+        default: "unorm8",
+        follows_quality: true,
+        allowed: "unorm8 (codes as the source has them), scaled16 (16 bits with a scale and a bias), float16",
+        doc: "How levels beyond vertex colors are stored where they leave [0, 1]",
+    },
+    OptionSpec {
+        name: "rounding",
+        value_name: "RUNG",
+        default: "rules",
+        follows_quality: true,
+        allowed: "nearest, rules",
+        doc: "How samples become codes: each texel to the nearest, or samples first, so that texels made from them keep their rules",
     },
     OptionSpec {
         name: "cut",
         value_name: "CODES",
         default: "8",
+        follows_quality: false,
         allowed: "0..=255 (8-bit codes; 2 codes stand for 1 degree of a normal)",
         doc: "Edges whose two sides differ by more than this at full resolution keep their two sides",
     },
 ];
 
 impl Options {
-    /// Sets one option from its text form.
+    /// The rungs of a preset, and the defaults of everything else.
+    pub fn of(quality: Quality) -> Self {
+        let standard = Self {
+            quality,
+            sampling: Sampling::Filtered(None),
+            resolution: Resolution::Area(1.0),
+            mip: MipFilter::Uniform,
+            beyond: Beyond::OneRing,
+            solver: Solver::Global,
+            range: Range::Unorm8,
+            rounding: Rounding::Rules,
+            cut_codes: 8.0,
+        };
+        match quality {
+            Quality::Draft => Self { sampling: Sampling::Point, solver: Solver::Clamp, ..standard },
+            Quality::Standard => standard,
+            Quality::Exact => Self {
+                sampling: Sampling::Fitted,
+                mip: MipFilter::Area,
+                beyond: Beyond::Heat,
+                range: Range::Scaled16,
+                ..standard
+            },
+        }
+    }
+
+    /// Sets every rung to those of a preset.
+    fn set_quality(&mut self, quality: Quality) {
+        let kept = self.clone();
+        *self = Self { resolution: kept.resolution, cut_codes: kept.cut_codes, ..Self::of(quality) };
+    }
+
+    /// Sets one option from its text form. `quality` sets all rungs, so it comes before them.
     ///
     /// # Errors
     /// `InvalidOptions`, naming the option, the value and what is allowed.
     pub fn set(&mut self, name: &str, value: &str) -> Result<()> {
         let refuse = || refused(name, value);
         match name {
-            "sampling" => {
-                self.sampling = match value {
-                    "point" => Sampling::Point,
-                    "filtered" => Sampling::Filtered,
-                    _ => return Err(refuse()),
-                }
-            }
+            "quality" => self.set_quality(named(QUALITIES, value).ok_or_else(refuse)?),
+            "sampling" => self.sampling = parse_sampling(value).ok_or_else(refuse)?,
             "resolution" => self.resolution = parse_resolution(value).ok_or_else(refuse)?,
-            "solver" => {
-                self.solver = match value {
-                    "clamp" => Solver::Clamp,
-                    "global" => Solver::Global,
-                    _ => return Err(refuse()),
-                }
-            }
+            "mip" => self.mip = named(MIP_FILTERS, value).ok_or_else(refuse)?,
+            "beyond" => self.beyond = named(BEYONDS, value).ok_or_else(refuse)?,
+            "solver" => self.solver = named(SOLVERS, value).ok_or_else(refuse)?,
+            "range" => self.range = named(RANGES, value).ok_or_else(refuse)?,
+            "rounding" => self.rounding = named(ROUNDINGS, value).ok_or_else(refuse)?,
             "cut" => {
                 self.cut_codes = in_range(value, 0.0, 255.0).ok_or_else(refuse)?;
             }
@@ -136,7 +209,9 @@ impl Options {
     /// Options from a JSON object of names and values (strings, or numbers where the text form is one).
     pub fn from_json(object: &Map<String, Value>) -> Result<Self> {
         let mut options = Self::default();
-        for (name, value) in object {
+        let is_quality = |(name, _): &(&String, &Value)| *name == "quality";
+        let rest = object.iter().filter(|pair| !is_quality(pair));
+        for (name, value) in object.iter().filter(is_quality).chain(rest) {
             match value {
                 Value::String(text) => options.set(name, text)?,
                 Value::Number(number) => options.set(name, &number.to_string())?,
@@ -154,19 +229,49 @@ impl Options {
             Resolution::Density(texels) => format!("density:{texels}"),
         };
         let sampling = match self.sampling {
-            Sampling::Point => "point",
-            Sampling::Filtered => "filtered",
+            Sampling::Point => "point".to_owned(),
+            Sampling::Filtered(None) => "filtered".to_owned(),
+            Sampling::Filtered(Some(count)) => format!("filtered:{count}"),
+            Sampling::Fitted => "fitted".to_owned(),
         };
-        let solver = match self.solver {
-            Solver::Clamp => "clamp",
-            Solver::Global => "global",
-        };
-        Map::from_iter([
-            ("sampling".to_owned(), sampling.into()),
-            ("resolution".to_owned(), resolution.into()),
-            ("solver".to_owned(), solver.into()),
-            ("cut".to_owned(), f64::from(self.cut_codes).into()),
-        ])
+        let values = [
+            name_of(QUALITIES, self.quality).into(),
+            sampling.into(),
+            resolution.into(),
+            name_of(MIP_FILTERS, self.mip).into(),
+            name_of(BEYONDS, self.beyond).into(),
+            name_of(SOLVERS, self.solver).into(),
+            name_of(RANGES, self.range).into(),
+            name_of(ROUNDINGS, self.rounding).into(),
+            f64::from(self.cut_codes).into(),
+        ];
+        OPTIONS.iter().map(|spec| spec.name.to_owned()).zip(values).collect()
+    }
+}
+
+fn named<T: Copy>(table: &[(&str, T)], value: &str) -> Option<T> {
+    table.iter().find(|(name, _)| *name == value).map(|(_, rung)| *rung)
+}
+
+fn name_of<T: PartialEq>(table: &[(&'static str, T)], value: T) -> &'static str {
+    table.iter().find(|(_, rung)| *rung == value).map_or("", |(name, _)| name)
+}
+
+fn parse_sampling(value: &str) -> Option<Sampling> {
+    match value.split_once(':') {
+        None => named(
+            &[
+                ("point", Sampling::Point),
+                ("filtered", Sampling::Filtered(None)),
+                ("fitted", Sampling::Fitted),
+            ],
+            value,
+        ),
+        Some(("filtered", count)) => {
+            let count = count.parse().ok().filter(|count| (1..=16).contains(count));
+            count.map(|count| Sampling::Filtered(Some(count)))
+        }
+        Some(_) => None,
     }
 }
 

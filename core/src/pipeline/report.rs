@@ -8,11 +8,12 @@ use crate::measure::{
     self, ChannelReport, Effect, EffectState, Extras, Growth, LayoutReport, Measured, Report, SolverReport,
     SubjectKind, judge,
 };
+use crate::solve::Solver;
 use crate::write;
 
 use super::ENGINE_VERSION;
 use super::material::MaterialConversion;
-use super::options::{Options, Solver};
+use super::options::Options;
 
 /// A conversion before its report.
 pub struct Converted<'a> {
@@ -164,7 +165,7 @@ fn effects(materials: &[MaterialConversion], options: &Options) -> Vec<Effect> {
     let solved: usize = channels().map(|channel| channel.solver.len()).sum();
     let level_total: usize = channels().map(|channel| channel.sample_counts.len()).sum();
     let solve = match options.solver {
-        Solver::Global => {
+        Solver::Local | Solver::Global | Solver::Exact => {
             format!("{solved} of {level_total} channel levels had texels out of range and were solved")
         }
         Solver::Clamp => {

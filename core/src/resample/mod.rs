@@ -7,5 +7,5 @@ mod samples;
 mod tests;
 
 pub use cuts::find_cuts;
-pub use resolution::{ResolutionRule, resolutions};
-pub use samples::{Kernel, sample};
+pub use resolution::{Resolution, resolutions};
+pub use samples::{Sampling, sample};

@@ -10,11 +10,12 @@ use crate::source::SurfaceSource;
 /// Sides of `2^12` segments are the finest a face gets.
 const EXPONENT_MAX: f32 = 12.0;
 
+/// How many samples a face gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ResolutionRule {
+pub enum Resolution {
     /// Texels per source texel.
     Area(f32),
-    /// Exponent.
+    /// One exponent for every face: sides of `2^r` segments.
     Fixed(u8),
     /// Texels per world unit of length.
     Density(f32),
@@ -23,7 +24,7 @@ pub enum ResolutionRule {
 /// One exponent for each face. A face of `n = 2^r` segments has `n²` cells as a quad and `n²/2` as a
 /// triangle; they are matched with the area asked for, to the nearest exponent.
 pub fn resolutions(
-    rule: ResolutionRule,
+    rule: Resolution,
     asset: &Asset,
     canvas: &CanvasMesh,
     sources: &[SurfaceSource<'_>],
@@ -31,9 +32,9 @@ pub fn resolutions(
     let places = largest_instances(asset);
     let faces = canvas.faces.iter().enumerate().map(|(number, face)| {
         let cells = match rule {
-            ResolutionRule::Fixed(exponent) => return exponent,
-            ResolutionRule::Area(factor) => factor * source_area_texels(sources, number, face),
-            ResolutionRule::Density(texels) => {
+            Resolution::Fixed(exponent) => return exponent,
+            Resolution::Area(factor) => factor * source_area_texels(sources, number, face),
+            Resolution::Density(texels) => {
                 texels * texels * world_area(canvas, face, &places[face.mesh as usize])
             }
         };

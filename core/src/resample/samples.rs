@@ -19,20 +19,23 @@ const STRATA_PER_SIDE_MAX: u32 = 4096;
 /// A face of no area still has a say where no other has, in shares of the mean face.
 const AREA_FLOOR: f32 = 1e-9;
 
+/// How a sample gets its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kernel {
+pub enum Sampling {
     /// The source at the sample's position.
     Point,
-    /// The source times the sample's hat function (1 at the sample, 0 at its neighbors), one fetch for
-    /// each source texel that a cell of the grid is wide, in strata.
-    Hat,
+    /// The source times the sample's hat function (1 at the sample, 0 at its neighbors), in strata: so many
+    /// along a side of a cell of the grid, or as many as it is wide in source texels.
+    Filtered(Option<u8>),
+    /// The samples whose interpolation is nearest to the source (L2 projection).
+    Fitted,
 }
 
 /// All samples of level 0, by their numbers.
 pub fn sample(
     source: &SurfaceSource<'_>,
     numbering: &LevelNumbering<'_>,
-    kernel: Kernel,
+    sampling: Sampling,
     watch: &dyn Watch,
 ) -> Result<Vec<Vec4>> {
     let canvas = numbering.canvas;
@@ -50,14 +53,14 @@ pub fn sample(
         .map(|(face, interior)| {
             watch::check(watch)?;
             let mut view = FaceView::new(source, numbering, face, mean_area);
-            match kernel {
-                Kernel::Point => view.fetch_points(),
-                Kernel::Hat => view.integrate_cells(watch)?,
+            match sampling {
+                Sampling::Point => view.fetch_points(),
+                Sampling::Filtered(_) | Sampling::Fitted => view.integrate_cells(watch)?,
             }
             Ok(view.hand_out(interior))
         })
         .collect::<Result<Vec<_>>>()?;
-    gather(numbering, kernel, &borders, shared);
+    gather(numbering, sampling, &borders, shared);
     Ok(values)
 }
 
@@ -220,7 +223,7 @@ impl<'a> FaceView<'a> {
 /// Vertices and edges from what their faces see.
 fn gather(
     numbering: &LevelNumbering<'_>,
-    kernel: Kernel,
+    sampling: Sampling,
     borders: &[Vec<WeightedMean>],
     shared: &mut [Vec4],
 ) {
@@ -242,7 +245,7 @@ fn gather(
             let mut mean = WeightedMean::default();
             for side in topology.sides(strip) {
                 let view = EdgeView::new(numbering, side.face as usize, usize::from(side.edge), number);
-                view.merge_into(&mut mean, &borders[side.face as usize], at, kernel);
+                view.merge_into(&mut mean, &borders[side.face as usize], at, sampling);
             }
             *slot = mean.mean();
         }
@@ -271,9 +274,9 @@ impl EdgeView {
 
     /// Adds what the face sees around strip sample `at`: on a finer face all that the strip's hat covers,
     /// widened so that the face does not count less for its narrower band.
-    fn merge_into(&self, mean: &mut WeightedMean, border: &[WeightedMean], at: u32, kernel: Kernel) {
+    fn merge_into(&self, mean: &mut WeightedMean, border: &[WeightedMean], at: u32, sampling: Sampling) {
         let step = self.step as i64;
-        let reach = if kernel == Kernel::Point { 0 } else { step - 1 };
+        let reach = if sampling == Sampling::Point { 0 } else { step - 1 };
         for offset in -reach..=reach {
             let from_low = (i64::from(at) * step + offset) as u32;
             let along = if self.reversed { self.segments - from_low } else { from_low };

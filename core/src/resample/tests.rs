@@ -1,6 +1,6 @@
 use glam::{Vec2, Vec3, Vec4};
 
-use super::{Kernel, ResolutionRule, find_cuts, resolutions, sample};
+use super::{Resolution, Sampling, find_cuts, resolutions, sample};
 use crate::asset::{
     AlphaMode, Asset, Face, Instance, Material, Mesh, Primitive, Slot, TextureRef, UvTransform,
 };
@@ -45,7 +45,7 @@ fn image(code: impl Fn(u32, u32) -> u8) -> Image {
     Image { width: 16, height: 16, components: 3, pixels: Pixels::U8(pixels) }
 }
 
-fn samples(asset: &Asset, exponent: u8, kernel: Kernel) -> (Vec<Vec4>, Cuts) {
+fn samples(asset: &Asset, exponent: u8, kernel: Sampling) -> (Vec<Vec4>, Cuts) {
     let canvas = canvas_of(asset);
     let channels = channels(asset, 0);
     let source = SurfaceSource::new(&channels[0], asset, &canvas);
@@ -62,10 +62,10 @@ const RIGHT: [[f32; 2]; 3] = [[0.9, 0.9], [0.6, 0.9], [0.9, 0.6]];
 
 #[test]
 fn agreeing_sides_are_joined_and_disagreeing_ones_cut() {
-    let (_, cuts) = samples(&two_charts(image(|_, _| 90), LEFT, RIGHT), 2, Kernel::Hat);
+    let (_, cuts) = samples(&two_charts(image(|_, _| 90), LEFT, RIGHT), 2, Sampling::Filtered(None));
     assert!(cuts.edges.iter().all(|cut| !cut), "two charts of one color have nothing to part");
     let halves = image(|x, _| if x < 8 { 40 } else { 200 });
-    let (values, cuts) = samples(&two_charts(halves, LEFT, RIGHT), 2, Kernel::Hat);
+    let (values, cuts) = samples(&two_charts(halves, LEFT, RIGHT), 2, Sampling::Filtered(None));
     assert_eq!(cuts.edges.iter().filter(|cut| **cut).count(), 1, "only the shared edge can be a cut");
     // Nothing is averaged across: every sample is one of the two colors.
     assert!(values.iter().all(|v| (v.x * 255.0 - 40.0).abs() < 0.1 || (v.x * 255.0 - 200.0).abs() < 0.1));
@@ -74,7 +74,7 @@ fn agreeing_sides_are_joined_and_disagreeing_ones_cut() {
 #[test]
 fn a_joined_edge_is_the_mean_of_what_its_faces_see() {
     let halves = image(|x, _| if x < 8 { 100 } else { 104 });
-    let (values, cuts) = samples(&two_charts(halves, LEFT, RIGHT), 0, Kernel::Point);
+    let (values, cuts) = samples(&two_charts(halves, LEFT, RIGHT), 0, Sampling::Point);
     assert!(cuts.edges.iter().all(|cut| !cut));
     let mut codes: Vec<i32> = values.iter().map(|v| (v.x * 255.0 * 10.0).round() as i32).collect();
     codes.sort();
@@ -87,8 +87,8 @@ fn the_hat_keeps_what_is_linear() {
     let ramp = image(|x, y| (20 + 8 * x + 5 * y) as u8);
     for exponent in [2, 3, 4] {
         let asset = two_charts(ramp.clone(), LEFT, [[0.4, 0.4], [0.1, 0.4], [0.4, 0.1]]);
-        let (point, cuts) = samples(&asset, exponent, Kernel::Point);
-        let (hat, _) = samples(&asset, exponent, Kernel::Hat);
+        let (point, cuts) = samples(&asset, exponent, Sampling::Point);
+        let (hat, _) = samples(&asset, exponent, Sampling::Filtered(None));
         assert!(cuts.edges.iter().all(|cut| !cut), "one chart");
         let canvas = canvas_of(&asset);
         let resolutions = Resolutions { faces: vec![exponent; 2] };
@@ -105,8 +105,8 @@ fn the_hat_keeps_what_is_linear() {
 fn wrapped_coordinates_read_what_the_sampler_reads() {
     let noise = image(|x, y| (x * 37 + y * 91) as u8);
     let shifted = |by: f32| LEFT.map(|[u, v]| [u + by, v - by]);
-    let (near, _) = samples(&two_charts(noise.clone(), LEFT, RIGHT), 3, Kernel::Point);
-    let (far, _) = samples(&two_charts(noise, shifted(1000.0), RIGHT), 3, Kernel::Point);
+    let (near, _) = samples(&two_charts(noise.clone(), LEFT, RIGHT), 3, Sampling::Point);
+    let (far, _) = samples(&two_charts(noise, shifted(1000.0), RIGHT), 3, Sampling::Point);
     let worst = near.iter().zip(&far).map(|(a, b)| (a.x - b.x).abs() * 255.0).fold(0.0, f32::max);
     // Coordinates of 1000 have 1/16384 left for their fraction.
     assert!(worst < 1.0, "{worst} codes");
@@ -123,7 +123,7 @@ fn what_is_transparent_has_no_vote_about_cuts() {
     let mut asset = two_charts(rgba, LEFT, RIGHT);
     asset.materials[0].alpha_mode = AlphaMode::Blend;
     asset.materials[0].slots.swap(Slot::BaseColor as usize, Slot::MetallicRoughness as usize);
-    let (values, cuts) = samples(&asset, 1, Kernel::Hat);
+    let (values, cuts) = samples(&asset, 1, Sampling::Filtered(None));
     assert!(cuts.edges.iter().all(|cut| !cut));
     let edge = values.iter().find(|v| v.w > 0.2 && v.w < 0.8).expect("the shared edge is half transparent");
     assert!((edge.x - crate::math::transfer::srgb_to_linear(200.0 / 255.0)).abs() < 1e-3, "{edge}");
@@ -137,15 +137,15 @@ fn exponents_follow_their_rule() {
     let sources = [SurfaceSource::new(&channels[0], &asset, &canvas)];
     let with = |rule| resolutions(rule, &asset, &canvas, &sources).faces;
     // Half of 256 texels is half of n² cells at n = 16; 0.3 of that side is 4.8 texels.
-    assert_eq!(with(ResolutionRule::Area(1.0)), [4, 2]);
-    assert_eq!(with(ResolutionRule::Area(4.0)), [5, 3]);
-    assert_eq!(with(ResolutionRule::Fixed(3)), [3, 3]);
+    assert_eq!(with(Resolution::Area(1.0)), [4, 2]);
+    assert_eq!(with(Resolution::Area(4.0)), [5, 3]);
+    assert_eq!(with(Resolution::Fixed(3)), [3, 3]);
     // Sides of 1 unit stand at three times that in the scene.
-    assert_eq!(with(ResolutionRule::Density(10.0)), [5, 5]);
+    assert_eq!(with(Resolution::Density(10.0)), [5, 5]);
     // A flattened instance has no volume, but its faces have their area.
     let mut flat = asset.clone();
     flat.instances[0].transform = glam::Affine3A::from_scale(Vec3::new(3.0, 3.0, 0.0));
-    assert_eq!(resolutions(ResolutionRule::Density(10.0), &flat, &canvas, &sources).faces, [5, 5]);
+    assert_eq!(resolutions(Resolution::Density(10.0), &flat, &canvas, &sources).faces, [5, 5]);
 }
 
 /// Models of any size, down to none at all, are sampled alike.
@@ -154,7 +154,7 @@ fn faces_without_area_still_show_their_texture() {
     for size in [0.0, 1e-15, 1e6] {
         let mut asset = two_charts(image(|_, _| 90), LEFT, RIGHT);
         asset.meshes[0].primitives[0].positions.iter_mut().for_each(|position| *position *= size);
-        for kernel in [Kernel::Point, Kernel::Hat] {
+        for kernel in [Sampling::Point, Sampling::Filtered(None)] {
             let (values, _) = samples(&asset, 2, kernel);
             assert!(values.iter().all(|v| (v.x * 255.0 - 90.0).abs() < 0.01), "size {size}: {values:?}");
         }

@@ -15,3 +15,16 @@ mod interior;
 mod tests;
 
 pub use global::{Problem, Solution, TOLERANCE, solve, violated_count};
+
+/// What is done about texels that the format cannot store.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Solver {
+    /// No solve: they are clamped (shows the damage).
+    Clamp,
+    /// Face by face (MCT 3.4).
+    Local,
+    /// The whole level at once, to a stated tolerance.
+    Global,
+    /// The whole level at once by a library's interior point method.
+    Exact,
+}

@@ -3,7 +3,7 @@
 
 use clap::error::ErrorKind;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
-use meshcolor::pipeline::{OPTIONS, Options};
+use meshcolor::pipeline::{OPTIONS, OptionSpec, Options};
 
 use crate::settings::variable;
 use crate::work::processor_count;
@@ -19,8 +19,7 @@ impl Args for ConversionFlags {
                 .long(spec.name)
                 .env(variable(spec.name))
                 .value_name(spec.value_name)
-                .default_value(spec.default)
-                .help(format!("{} [allowed: {}]", spec.doc, spec.allowed))
+                .help(format!("{} [allowed: {}] [default: {}]", spec.doc, spec.allowed, default(spec)))
                 .help_heading("Conversion")
         }))
     }
@@ -47,6 +46,11 @@ impl FromArgMatches for ConversionFlags {
         *self = Self::from_arg_matches(matches)?;
         Ok(())
     }
+}
+
+fn default(spec: &OptionSpec) -> String {
+    let by_quality = if spec.follows_quality { ", or as --quality" } else { "" };
+    format!("{}{by_quality}", spec.default)
 }
 
 /// How much of the machine to use, and how much to say.

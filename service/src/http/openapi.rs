@@ -1,6 +1,6 @@
 //! The OpenAPI document: made of the handlers' declarations, with the options from `OPTIONS`.
 
-use meshcolor::pipeline::OPTIONS;
+use meshcolor::pipeline::{OPTIONS, OptionSpec};
 use serde::Serialize;
 use utoipa::openapi::path::{ParameterBuilder, ParameterIn};
 use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, Schema, Type};
@@ -52,8 +52,8 @@ fn options_schema() -> Schema {
     for spec in OPTIONS {
         let property = ObjectBuilder::new()
             .schema_type(utoipa::openapi::schema::SchemaType::from_iter([Type::String, Type::Number]))
-            .description(Some(description(spec.doc, spec.allowed)))
-            .default(Some(spec.default.into()));
+            .description(Some(description(spec)))
+            .default(default(spec));
         object = object.property(spec.name, property);
     }
     let preview = ObjectBuilder::new()
@@ -65,8 +65,19 @@ fn options_schema() -> Schema {
 
 const PREVIEW_DOC: &str = "Whether to draw the seam-check sheet.";
 
-fn description(doc: &str, allowed: &str) -> String {
-    format!("{doc}. Allowed: {allowed}.")
+fn description(spec: &OptionSpec) -> String {
+    let OptionSpec { doc, allowed, default, .. } = spec;
+    let by_quality = if spec.follows_quality {
+        format!(" Without it: what `quality` says, {default} for standard.")
+    } else {
+        String::new()
+    };
+    format!("{doc}. Allowed: {allowed}.{by_quality}")
+}
+
+/// What a document can state as the default: one value, whatever else is set.
+fn default(spec: &OptionSpec) -> Option<serde_json::Value> {
+    (!spec.follows_quality).then(|| spec.default.into())
 }
 
 /// The document as YAML.
@@ -101,8 +112,8 @@ fn option_parameters() -> Vec<utoipa::openapi::path::Parameter> {
     let mut parameters: Vec<_> = OPTIONS
         .iter()
         .map(|spec| {
-            let schema = ObjectBuilder::new().schema_type(Type::String).default(Some(spec.default.into()));
-            parameter(spec.name, description(spec.doc, spec.allowed), schema)
+            let schema = ObjectBuilder::new().schema_type(Type::String).default(default(spec));
+            parameter(spec.name, description(spec), schema)
         })
         .collect();
     let schema = ObjectBuilder::new().schema_type(Type::Boolean).default(Some(true.into()));

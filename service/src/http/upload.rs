@@ -244,7 +244,10 @@ impl Receiver<'_> {
 
 fn options_of_query(parameters: &mut Parameters) -> Result<JobOptions, Problem> {
     let mut options = JobOptions::default();
-    for (name, value) in parameters.rest() {
+    let mut named: Vec<_> = parameters.rest().iter().collect();
+    // A preset sets every rung, so it goes first.
+    named.sort_by_key(|(name, _)| *name != "quality");
+    for (name, value) in named {
         options.set(name, value)?;
     }
     Ok(options)
