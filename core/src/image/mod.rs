@@ -2,8 +2,10 @@
 
 pub mod planes;
 pub mod sample;
+mod tile;
 pub mod wrap;
 
 pub use planes::{Image, Pixels, Transfer};
 pub use sample::bilinear;
+pub use tile::Tile;
 pub use wrap::{Wrap, WrapMode};

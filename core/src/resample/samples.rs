@@ -1,14 +1,18 @@
-//! The value of every sample: the source at its place, or integrated against its hat function.
+//! The value of every sample: the source at its place, or integrated against its hat function, or fitted.
 //!
-//! Work goes face by face over the cells of the face's grid; what a face sees at its border is handed out
-//! as weighted means, and edges and vertices are the area-weighted mean of what their faces see.
+//! Work goes face by face over rows of the face's grid. Samples inside a face are written at once; what a
+//! face sees at its border is handed out, and edges and vertices are the area-weighted mean of what their
+//! faces see.
 
 use glam::Vec4;
 use rayon::prelude::*;
 
-use crate::colors::{LevelNumbering, edge_point};
+use super::fitted::{Fit, fit};
+use super::gather::{Borders, Means, cell_areas, interiors, mean, weighted};
+use super::quadrature::{Quadrature, Subject};
+use super::shape::{BAND, Shape};
+use crate::colors::LevelNumbering;
 use crate::error::Result;
-use crate::math::mean::WeightedMean;
 use crate::source::SurfaceSource;
 use crate::watch::{self, Watch};
 
@@ -16,8 +20,6 @@ use crate::watch::{self, Watch};
 const STRATA_MAX: f32 = 8.0;
 /// And a face's side into this many, so that no face takes forever; a coarser look aliases.
 const STRATA_PER_SIDE_MAX: u32 = 4096;
-/// A face of no area still has a say where no other has, in shares of the mean face.
-const AREA_FLOOR: f32 = 1e-9;
 
 /// How a sample gets its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,263 +27,129 @@ pub enum Sampling {
     /// The source at the sample's position.
     Point,
     /// The source times the sample's hat function (1 at the sample, 0 at its neighbors), in strata: so many
-    /// along a side of a cell of the grid, or as many as it is wide in source texels.
+    /// along a side of a cell of the grid, or as many as it is wide in source texels (at most 8).
     Filtered(Option<u8>),
     /// The samples whose interpolation is nearest to the source (L2 projection).
     Fitted,
 }
 
-/// All samples of level 0, by their numbers.
+/// All samples of a level, by their numbers.
+#[derive(Clone, Debug)]
+pub struct Samples {
+    pub values: Vec<Vec4>,
+    /// How [`Sampling::Fitted`] went.
+    pub fit: Option<Fit>,
+}
+
+/// All samples of level 0.
 pub fn sample(
     source: &SurfaceSource<'_>,
     numbering: &LevelNumbering<'_>,
     sampling: Sampling,
     watch: &dyn Watch,
-) -> Result<Vec<Vec4>> {
-    let canvas = numbering.canvas;
-    let mut values = vec![Vec4::ZERO; numbering.sample_count()];
-    let (shared, mut interiors) = values.split_at_mut(numbering.shared_count());
-    let mut slots = Vec::with_capacity(canvas.faces.len());
-    for face in 0..canvas.faces.len() {
-        let (slot, rest) = interiors.split_at_mut(numbering.face_range(face).len());
-        slots.push(slot);
-        interiors = rest;
-    }
-    let total_area: f64 = canvas.faces.iter().map(|face| f64::from(face.area)).sum();
-    let mean_area = total_area / canvas.faces.len() as f64;
-    let borders = (slots.into_par_iter().enumerate())
-        .map(|(face, interior)| {
-            watch::check(watch)?;
-            let mut view = FaceView::new(source, numbering, face, mean_area);
-            match sampling {
-                Sampling::Point => view.fetch_points(),
-                Sampling::Filtered(_) | Sampling::Fitted => view.integrate_cells(watch)?,
-            }
-            Ok(view.hand_out(interior))
-        })
-        .collect::<Result<Vec<_>>>()?;
-    gather(numbering, sampling, &borders, shared);
-    Ok(values)
-}
-
-/// What one face sees of its own grid.
-struct FaceView<'a> {
-    source: &'a SurfaceSource<'a>,
-    numbering: &'a LevelNumbering<'a>,
-    face: usize,
-    is_triangle: bool,
-    segments: u32,
-    /// Area of one cell in shares of the mean face.
-    cell_weight: f32,
-    means: Vec<WeightedMean>,
-}
-
-impl<'a> FaceView<'a> {
-    fn new(
-        source: &'a SurfaceSource<'a>,
-        numbering: &'a LevelNumbering<'a>,
-        face: usize,
-        mean_area: f64,
-    ) -> Self {
-        let canvas_face = &numbering.canvas.faces[face];
-        let segments = numbering.segments(face);
-        let side = segments as usize + 1;
-        // Where no face has any area all count the same.
-        let share = if mean_area > 0.0 { (f64::from(canvas_face.area) / mean_area) as f32 } else { 1.0 };
-        Self {
-            source,
-            numbering,
-            face,
-            is_triangle: canvas_face.is_triangle(),
-            segments,
-            cell_weight: share.max(AREA_FLOOR) / (segments * segments) as f32,
-            means: vec![WeightedMean::default(); side * side],
+) -> Result<Samples> {
+    match sampling {
+        Sampling::Point => Ok(Samples { values: point(source, numbering, watch)?, fit: None }),
+        Sampling::Filtered(strata) => {
+            Ok(Samples { values: filtered(source, numbering, strata, watch)?, fit: None })
+        }
+        Sampling::Fitted => {
+            let start = point(source, numbering, watch)?;
+            let (values, fit) = fit(source, numbering, start, watch)?;
+            Ok(Samples { values, fit: Some(fit) })
         }
     }
+}
 
-    fn index(&self, i: u32, j: u32) -> usize {
-        (j * (self.segments + 1) + i) as usize
-    }
-
-    fn row_end(&self, j: u32) -> u32 {
-        if self.is_triangle { self.segments - j } else { self.segments }
-    }
-
-    /// The source at grid coordinates (in segments).
-    fn fetch(&self, x: f32, y: f32) -> Vec4 {
-        let scale = 1.0 / self.segments as f32;
-        self.source.at(self.numbering.canvas, self.face, x * scale, y * scale)
-    }
-
-    fn add(&mut self, i: u32, j: u32, value: Vec4, weight: f32) {
-        let at = self.index(i, j);
-        self.means[at].add(value, weight * self.cell_weight, self.source.channel.is_alpha_weighted());
-    }
-
-    fn fetch_points(&mut self) {
-        for j in 0..=self.segments {
-            for i in 0..=self.row_end(j) {
-                let value = self.fetch(i as f32, j as f32);
-                self.add(i, j, value, 1.0);
+/// The source at every sample; at a shared one the mean of what its faces see.
+fn point(source: &SurfaceSource<'_>, numbering: &LevelNumbering<'_>, watch: &dyn Watch) -> Result<Vec<Vec4>> {
+    let by_alpha = source.channel.is_alpha_weighted();
+    gathered(source, numbering, true, |room, face, interior, border| {
+        let shape = Shape::of(numbering, face);
+        let n = shape.segments;
+        room.reader.open(source, numbering.canvas, face, n);
+        let mut slots = interior.iter_mut();
+        for bottom in (0..n).step_by(BAND as usize) {
+            watch::check(watch)?;
+            let top = (bottom + BAND).min(n);
+            let last = if top == n { top } else { top - 1 };
+            fetch_band(source, room, shape, [bottom, last]);
+            for (j, row) in (bottom..=last).zip(room.rows.chunks_exact(n as usize + 1)) {
+                shape.put_row(j, &row[..shape.point_count(j) as usize], &mut slots, border);
             }
         }
-    }
-
-    /// Strata along a side of a cell: one for each source texel, by area.
-    fn strata(&self) -> u32 {
-        let [a, b, c, d] = *self.source.places(self.face);
-        // Twice the area of a triangle, that of a quad: what `segments²` cells share.
-        let area = if self.is_triangle { (b - a).perp_dot(c - a) } else { 0.5 * (c - a).perp_dot(d - b) };
-        let strata = (area.abs().sqrt() / self.segments as f32).round().clamp(1.0, STRATA_MAX) as u32;
-        strata.min((STRATA_PER_SIDE_MAX / self.segments).max(1))
-    }
-
-    fn integrate_cells(&mut self, watch: &dyn Watch) -> Result<()> {
-        let fine = self.segments * self.strata();
-        for row in 0..fine {
-            watch::check(watch)?;
-            if self.is_triangle {
-                self.integrate_triangle_row(fine, row);
-            } else {
-                self.integrate_quad_row(fine, row);
-            }
+        if by_alpha {
+            border.iter_mut().for_each(|value| *value = weighted(*value, true));
         }
         Ok(())
-    }
+    })
+}
 
-    /// Middles of the edges of small triangles, a third of the area each: exact where the source is linear
-    /// over them, since a hat is too. Every edge belongs to one triangle that opens along `+i, +j`, and inside
-    /// the face to another one that opens against it.
-    fn integrate_triangle_row(&mut self, fine: u32, b: u32) {
-        let scale = self.segments as f32 / fine as f32;
-        let share = scale * scale / 3.0;
-        for a in 0..fine - b {
-            let (x, y) = (a as f32, b as f32);
-            let middles = [(x + 0.5, y, b == 0), (x, y + 0.5, a == 0), (x + 0.5, y + 0.5, a + b + 1 == fine)];
-            for (x, y, is_border) in middles {
-                let weight = if is_border { share } else { 2.0 * share };
-                self.add_by_hats(x * scale, y * scale, weight);
+/// Fetches the rows from `first` to `last` into `room.rows`.
+fn fetch_band(source: &SurfaceSource<'_>, room: &mut Quadrature, shape: Shape, [first, last]: [u32; 2]) {
+    let side = shape.segments + 1;
+    room.rows.resize((BAND.min(shape.segments) * side + side) as usize, Vec4::ZERO);
+    for left in (0..shape.point_count(first)).step_by(BAND as usize) {
+        let right = (left + BAND).min(side);
+        let count = (right - left) * (last + 1 - first);
+        let most = [right.min(shape.segments), last];
+        room.reader.open_window(source, [left, first], most, count as usize);
+        for (j, row) in (first..=last).zip(room.rows.chunks_exact_mut(side as usize)) {
+            let end = right.min(shape.point_count(j));
+            if end > left {
+                room.reader.row(source, left as f32, j as f32, 1.0, &mut row[left as usize..end as usize]);
             }
         }
-    }
-
-    /// Two Gauss points along each axis of each stratum.
-    fn integrate_quad_row(&mut self, fine: u32, b: u32) {
-        /// Half of 1 - 1/sqrt(3).
-        const GAUSS: f32 = 0.211_324_87;
-        let scale = self.segments as f32 / fine as f32;
-        let points = [GAUSS, 1.0 - GAUSS];
-        for a in 0..fine {
-            for (x, y) in points.iter().flat_map(|y| points.map(|x| (x, *y))) {
-                self.add_by_hats((a as f32 + x) * scale, (b as f32 + y) * scale, 0.25 * scale * scale);
-            }
-        }
-    }
-
-    /// Fetches the source at grid coordinates and hands it to the samples whose hats cover the place.
-    fn add_by_hats(&mut self, x: f32, y: f32, weight: f32) {
-        let value = self.fetch(x, y);
-        let (i, j) = (x as u32, y as u32);
-        let (x, y) = (x - i as f32, y - j as f32);
-        let corners = if !self.is_triangle {
-            [
-                (i, j, (1.0 - x) * (1.0 - y)),
-                (i + 1, j, x * (1.0 - y)),
-                (i, j + 1, (1.0 - x) * y),
-                (i + 1, j + 1, x * y),
-            ]
-        } else if x + y <= 1.0 {
-            [(i, j, 1.0 - x - y), (i + 1, j, x), (i, j + 1, y), (i, j, 0.0)]
-        } else {
-            [(i + 1, j + 1, x + y - 1.0), (i, j + 1, 1.0 - x), (i + 1, j, 1.0 - y), (i, j, 0.0)]
-        };
-        for (i, j, hat) in corners {
-            if hat > 0.0 {
-                self.add(i, j, value, hat * weight);
-            }
-        }
-    }
-
-    /// Writes the interior samples and returns the border: edge by edge, each from its first corner
-    /// (included) to its second (left to the next edge).
-    fn hand_out(&self, interior: &mut [Vec4]) -> Vec<WeightedMean> {
-        let mut slots = interior.iter_mut();
-        for j in 1..self.segments {
-            let end = if self.is_triangle { self.segments - j } else { self.segments };
-            for (i, slot) in (1..end).zip(&mut slots) {
-                *slot = self.means[self.index(i, j)].mean();
-            }
-        }
-        let n = self.segments;
-        let edge_count = if self.is_triangle { 3 } else { 4 };
-        let points = (0..edge_count)
-            .flat_map(|edge| (0..n).map(move |along| edge_point(self.is_triangle, n, edge, along)));
-        points.map(|(i, j)| self.means[self.index(i, j)]).collect()
     }
 }
 
-/// Vertices and edges from what their faces see.
-fn gather(
+/// The source integrated against the samples' hats.
+fn filtered(
+    source: &SurfaceSource<'_>,
     numbering: &LevelNumbering<'_>,
-    sampling: Sampling,
-    borders: &[Vec<WeightedMean>],
-    shared: &mut [Vec4],
-) {
-    let topology = numbering.topology;
-    let (fans, strips) = shared.split_at_mut(topology.fan_count());
-    fans.par_iter_mut().enumerate().for_each(|(fan, value)| {
-        let mut mean = WeightedMean::default();
-        for &(face, corner) in topology.corners(fan) {
-            let segments = numbering.segments(face as usize);
-            mean.merge(&borders[face as usize][(u32::from(corner) * segments) as usize], 1.0);
+    strata: Option<u8>,
+    watch: &dyn Watch,
+) -> Result<Vec<Vec4>> {
+    let by_alpha = source.channel.is_alpha_weighted();
+    gathered(source, numbering, false, |room, face, interior, border| {
+        let shape = Shape::of(numbering, face);
+        let strata = strata.map_or_else(|| strata_of(source, numbering, face), u32::from);
+        let subject = Subject { source, numbering, face, strata, by_alpha, watch };
+        let mut slots = interior.iter_mut();
+        room.integrate(&subject, |_, _| (), |j, row| shape.put_row(j, row, &mut slots, border))?;
+        if by_alpha {
+            interior.iter_mut().for_each(|value| *value = mean(*value, 1.0, true));
         }
-        *value = mean.mean();
-    });
-    let first = topology.fan_count();
-    for (number, strip) in topology.strips.iter().enumerate() {
-        let range = numbering.strip_range(number);
-        let slots = &mut strips[range.start - first..range.end - first];
-        for (slot, at) in slots.iter_mut().zip(1..) {
-            let mut mean = WeightedMean::default();
-            for side in topology.sides(strip) {
-                let view = EdgeView::new(numbering, side.face as usize, usize::from(side.edge), number);
-                view.merge_into(&mut mean, &borders[side.face as usize], at, sampling);
-            }
-            *slot = mean.mean();
-        }
-    }
+        Ok(())
+    })
 }
 
-/// A face's border along one strip, which may have fewer samples.
-struct EdgeView {
-    segments: u32,
-    first: u32,
-    reversed: bool,
-    /// Face segments for each segment of the strip.
-    step: u32,
+/// Strata along a side of a cell: one for each source texel, by area.
+pub fn strata_of(source: &SurfaceSource<'_>, numbering: &LevelNumbering<'_>, face: usize) -> u32 {
+    let Shape { is_triangle, segments } = Shape::of(numbering, face);
+    let [a, b, c, d] = *source.places(face);
+    // Twice the area of a triangle, that of a quad: what `segments²` cells share.
+    let area = if is_triangle { (b - a).perp_dot(c - a) } else { 0.5 * (c - a).perp_dot(d - b) };
+    let strata = (area.abs().sqrt() / segments as f32).round().clamp(1.0, STRATA_MAX) as u32;
+    strata.min((STRATA_PER_SIDE_MAX / segments).max(1))
 }
 
-impl EdgeView {
-    fn new(numbering: &LevelNumbering<'_>, face: usize, edge: usize, strip: usize) -> Self {
-        let segments = numbering.segments(face);
-        Self {
-            segments,
-            first: edge as u32 * segments,
-            reversed: numbering.canvas.faces[face].is_reversed(edge),
-            step: segments / numbering.strip_segments(strip),
-        }
-    }
-
-    /// Adds what the face sees around strip sample `at`: on a finer face all that the strip's hat covers,
-    /// widened so that the face does not count less for its narrower band.
-    fn merge_into(&self, mean: &mut WeightedMean, border: &[WeightedMean], at: u32, sampling: Sampling) {
-        let step = self.step as i64;
-        let reach = if sampling == Sampling::Point { 0 } else { step - 1 };
-        for offset in -reach..=reach {
-            let from_low = (i64::from(at) * step + offset) as u32;
-            let along = if self.reversed { self.segments - from_low } else { from_low };
-            let weight = (1.0 - offset.abs() as f32 / step as f32) * step as f32;
-            mean.merge(&border[(self.first + along) as usize], weight);
-        }
-    }
+/// Fills every face's interior and border, then gathers what is shared.
+fn gathered(
+    source: &SurfaceSource<'_>,
+    numbering: &LevelNumbering<'_>,
+    is_point: bool,
+    fill: impl Fn(&mut Quadrature, usize, &mut [Vec4], &mut [Vec4]) -> Result<()> + Sync,
+) -> Result<Vec<Vec4>> {
+    let mut values = vec![Vec4::ZERO; numbering.sample_count()];
+    let (shared, inner) = values.split_at_mut(numbering.shared_count());
+    let mut borders = Borders::new(numbering);
+    let faces = interiors(numbering, inner).into_par_iter().zip(borders.parts()).enumerate();
+    faces.try_for_each_init(Quadrature::default, |room, (face, (interior, border))| {
+        fill(room, face, interior, border)
+    })?;
+    let by_alpha = source.channel.is_alpha_weighted();
+    let means = Means { numbering, cell_areas: &cell_areas(numbering), is_point, by_alpha };
+    means.gather(&borders, shared);
+    Ok(values)
 }

@@ -53,7 +53,7 @@ fn samples(asset: &Asset, exponent: u8, kernel: Sampling) -> (Vec<Vec4>, Cuts) {
     let resolutions = Resolutions { faces: vec![exponent; 2] };
     let topology = ChannelTopology::new(&canvas, &resolutions, &cuts);
     let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
-    (sample(&source, &numbering, kernel, &Unwatched).unwrap(), cuts)
+    (sample(&source, &numbering, kernel, &Unwatched).unwrap().values, cuts)
 }
 
 const LEFT: [[f32; 2]; 3] = [[0.1, 0.1], [0.4, 0.1], [0.1, 0.4]];

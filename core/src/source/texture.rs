@@ -76,6 +76,14 @@ impl SourceChannel<'_> {
         matches!(self.kind, ChannelKind::Normal { .. })
     }
 
+    /// The material's normal scale, of a normal map.
+    pub fn normal_scale(&self) -> Option<f32> {
+        match self.kind {
+            ChannelKind::Normal { scale } => Some(scale),
+            _ => None,
+        }
+    }
+
     /// Texture coordinates of a primitive's vertex in texels of the image, after the slot's transform.
     fn place_texels(&self, primitive: &Primitive, vertex: u32) -> Vec2 {
         let set = primitive.texcoords.get(self.texture.texcoord);
@@ -91,7 +99,7 @@ pub struct SurfaceSource<'a> {
     /// Corner places in texels, by face.
     places: Vec<[Vec2; 4]>,
     /// Corner frames by face; of normal channels only.
-    frames: Vec<[Frame; 4]>,
+    pub(super) frames: Vec<[Frame; 4]>,
 }
 
 impl<'a> SurfaceSource<'a> {
@@ -136,7 +144,7 @@ impl<'a> SurfaceSource<'a> {
 }
 
 /// A stored normal (codes in [0, 1]) to an object-space unit normal.
-fn decode_normal(stored: Vec3, scale: f32, frame: glam::Mat3) -> Vec3 {
+pub(super) fn decode_normal(stored: Vec3, scale: f32, frame: glam::Mat3) -> Vec3 {
     let tangent_space = (stored * 2.0 - 1.0) * Vec3::new(scale, scale, 1.0);
     (frame * tangent_space).try_normalize().unwrap_or(frame.z_axis)
 }

@@ -1,0 +1,211 @@
+//! Many values of one face at once, along rows of its grid.
+//!
+//! A face is drawn as one or two triangles, and on each of them places and frames are affine in the grid's
+//! coordinates. So a row costs one multiply-add a point, and texels are decoded once for a whole window.
+
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
+
+use super::SurfaceSource;
+use crate::image::{Tile, bilinear};
+use crate::math::frame::Frame;
+use crate::mesh::CanvasMesh;
+
+/// A window whose texels are more than this many for each fetch is read texel by texel.
+const TEXELS_PER_FETCH: f32 = 8.0;
+/// And one with more texels than this.
+const TILE_TEXELS_MAX: f32 = 262_144.0;
+/// Squared length of an interpolated normal or tangent below which the careful way is taken.
+const SHORTEST_SQUARED: f32 = 1e-8;
+
+/// A face of a source, read in rows. Reused from face to face.
+#[derive(Clone, Debug, Default)]
+pub struct FaceReader {
+    face: usize,
+    is_triangle: bool,
+    segments: f32,
+    /// The drawn triangles: a triangle has one, a quad one for `y <= x` and one for `y > x`.
+    pieces: [Piece; 2],
+    tile: Tile,
+    is_tiled: bool,
+}
+
+/// Affine in grid coordinates: `at + x along.0 + y along.1`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Affine<T> {
+    at: T,
+    along: [T; 2],
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Piece {
+    corners: [usize; 3],
+    place: Affine<Vec2>,
+    normal: Affine<Vec3>,
+    tangent: Affine<Vec3>,
+    handedness: f32,
+}
+
+impl FaceReader {
+    /// Turns to a face whose sides have so many segments.
+    pub fn open(&mut self, source: &SurfaceSource<'_>, canvas: &CanvasMesh, face: usize, segments: u32) {
+        self.face = face;
+        self.is_triangle = canvas.faces[face].is_triangle();
+        self.segments = segments as f32;
+        self.is_tiled = false;
+        let scale = 1.0 / self.segments;
+        let numbers = if self.is_triangle { [[0, 1, 2]; 2] } else { [[0, 1, 2], [0, 2, 3]] };
+        for (number, (piece, corners)) in self.pieces.iter_mut().zip(numbers).enumerate() {
+            let kind = if self.is_triangle { 2 } else { number };
+            let [a, b, c] = corners.map(|corner| source.places(face)[corner]);
+            *piece = Piece { corners, place: Affine { at: a, along: steps(kind, a, b, c, scale) }, ..*piece };
+            if source.channel.is_normal() {
+                let [a, b, c] = corners.map(|corner| source.frames[face][corner]);
+                let normals = steps(kind, a.normal, b.normal, c.normal, scale);
+                let [ta, tb, tc] = [a, b, c].map(|frame| frame.tangent.xyz());
+                piece.normal = Affine { at: a.normal, along: normals };
+                piece.tangent = Affine { at: ta, along: steps(kind, ta, tb, tc, scale) };
+                piece.handedness = a.tangent.w;
+            }
+        }
+    }
+
+    /// Announces about `fetch_count` fetches at grid coordinates from `least` to `most`. Rows may leave them
+    /// by rounding only.
+    pub fn open_window(
+        &mut self,
+        source: &SurfaceSource<'_>,
+        least: [u32; 2],
+        most: [u32; 2],
+        fetch_count: usize,
+    ) {
+        let mut bounds = [Vec2::INFINITY, Vec2::NEG_INFINITY];
+        let is_finite = self.outline(least, most).into_iter().all(|[x, y]| {
+            let place = self.pieces[usize::from(!self.is_triangle && y > x)].place.at(x, y);
+            bounds = [bounds[0].min(place), bounds[1].max(place)];
+            place.is_finite()
+        });
+        let needed = Tile::needed_texels(bounds[0], bounds[1]);
+        self.is_tiled =
+            is_finite && needed <= (TEXELS_PER_FETCH * fetch_count as f32).min(TILE_TEXELS_MAX);
+        if self.is_tiled {
+            let channel = source.channel;
+            self.tile.fill(channel.image, channel.transfer, channel.texture.wrap, bounds[0], bounds[1]);
+        }
+    }
+
+    /// Corners of the part of a window that lies on the face, with the ends of a quad's diagonal.
+    fn outline(&self, least: [u32; 2], most: [u32; 2]) -> [[f32; 2]; 6] {
+        let [[x0, y0], [x1, y1]] = [least, most].map(|at| at.map(|v| v as f32));
+        if self.is_triangle {
+            let n = self.segments;
+            let (x1, y1) = (x1.min(n - y0), y1.min(n - x0));
+            let (right, top) = ([x1, y1.min(n - x1)], [x1.min(n - y1), y1]);
+            [[x0, y0], [x1, y0], [x0, y1], right, top, [x0, y0]]
+        } else {
+            let (low, high) = (x0.max(y0), x1.min(y1));
+            let diagonal = if low <= high { [[low, low], [high, high]] } else { [[x0, y0], [x1, y1]] };
+            [[x0, y0], [x1, y0], [x0, y1], [x1, y1], diagonal[0], diagonal[1]]
+        }
+    }
+
+    /// The values at `x, x + step, x + 2 step, …` on the row `y`, in grid coordinates (segments).
+    pub fn row(&self, source: &SurfaceSource<'_>, x: f32, y: f32, step: f32, values: &mut [Vec4]) {
+        if self.is_triangle {
+            return self.piece_row(source, &self.pieces[0], [x, y], step, values);
+        }
+        let above = (((y - x) / step).ceil().max(0.0) as usize).min(values.len());
+        let (high, low) = values.split_at_mut(above);
+        self.piece_row(source, &self.pieces[1], [x, y], step, high);
+        self.piece_row(source, &self.pieces[0], [x + above as f32 * step, y], step, low);
+    }
+
+    fn piece_row(
+        &self,
+        source: &SurfaceSource<'_>,
+        piece: &Piece,
+        [x, y]: [f32; 2],
+        step: f32,
+        values: &mut [Vec4],
+    ) {
+        let Affine { at, along } = piece.place;
+        let stride = along[0] * step;
+        if self.is_tiled {
+            let start = (at - self.tile.offset()) + along[1] * y + along[0] * x;
+            let mut count = 0.0;
+            for value in values.iter_mut() {
+                *value = self.tile.bilinear(start + stride * count);
+                count += 1.0;
+            }
+        } else {
+            let start = at + along[1] * y + along[0] * x;
+            let channel = source.channel;
+            for (count, value) in values.iter_mut().enumerate() {
+                let place = start + stride * count as f32;
+                *value = bilinear(channel.image, channel.transfer, channel.texture.wrap, place);
+            }
+        }
+        if let Some(scale) = source.channel.normal_scale() {
+            for (count, value) in values.iter_mut().enumerate() {
+                let x = x + step * count as f32;
+                *value = self.object_normal(source, piece, [x, y], (*value, scale)).extend(1.0);
+            }
+        }
+    }
+
+    /// A stored normal in the frame that is interpolated at a point: see [`Frame::blend`].
+    #[inline(always)]
+    fn object_normal(
+        &self,
+        source: &SurfaceSource<'_>,
+        piece: &Piece,
+        [x, y]: [f32; 2],
+        (stored, scale): (Vec4, f32),
+    ) -> Vec3 {
+        let normal = piece.normal.at(x, y);
+        let normal_squared = normal.length_squared();
+        let tangent = piece.tangent.at(x, y);
+        let tangent = tangent - normal * (normal.dot(tangent) / normal_squared);
+        let tangent_squared = tangent.length_squared();
+        let local = (stored.xyz() * 2.0 - 1.0) * Vec3::new(scale, scale, 1.0);
+        // Left unnormalized by the normal's length, which is divided out with the result's own.
+        let length = normal_squared.sqrt();
+        let across = (tangent * (length * local.x) + normal.cross(tangent) * (piece.handedness * local.y))
+            / tangent_squared.sqrt();
+        let found = across + normal * local.z;
+        let squared = found.length_squared();
+        if normal_squared > SHORTEST_SQUARED && tangent_squared > SHORTEST_SQUARED && squared > SHORTEST_SQUARED {
+            return found / squared.sqrt();
+        }
+        let [s, t] = [x, y].map(|v| v / self.segments);
+        let weights = match (self.is_triangle, piece.corners) {
+            (true, _) => Vec3::new(1.0 - s - t, s, t),
+            (false, [0, 1, 2]) => Vec3::new(1.0 - s, s - t, t),
+            _ => Vec3::new(1.0 - t, s, t - s),
+        };
+        let frame = Frame::blend(piece.corners.map(|corner| &source.frames[self.face][corner]), weights);
+        super::texture::decode_normal(stored.xyz(), scale, frame)
+    }
+}
+
+/// How the corners' values grow along both axes of the grid: of a quad's two triangles (0 and 1), or of a
+/// triangle (2); the same map as [`surface_point`](crate::mesh::surface_point).
+fn steps<T>(kind: usize, a: T, b: T, c: T, scale: f32) -> [T; 2]
+where
+    T: Copy + std::ops::Sub<Output = T> + std::ops::Mul<f32, Output = T>,
+{
+    match kind {
+        0 => [(b - a) * scale, (c - b) * scale],
+        1 => [(b - c) * scale, (c - a) * scale],
+        _ => [(b - a) * scale, (c - a) * scale],
+    }
+}
+
+impl<T> Affine<T>
+where
+    T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f32, Output = T>,
+{
+    #[inline(always)]
+    fn at(&self, x: f32, y: f32) -> T {
+        self.at + self.along[0] * x + self.along[1] * y
+    }
+}
