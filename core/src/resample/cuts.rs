@@ -43,23 +43,22 @@ fn agree(
     threshold: f32,
     watch: &dyn Watch,
 ) -> Result<bool> {
-    let is_same = |&side: &Side| same_places(source, canvas, sides[0], side);
-    if !source.channel.is_normal() && sides[1..].iter().all(is_same) {
+    if sides[1..].iter().all(|&side| is_same(source, canvas, sides[0], side)) {
         return Ok(true);
     }
     let point_count = sides.iter().map(|&side| length_texels(source, canvas, side)).fold(0.0, f32::max);
-    let point_count = point_count.ceil().clamp(POINTS[0], POINTS[1]) as usize;
+    let point_count = point_count.ceil().clamp(POINTS[0], POINTS[1]) as u32;
+    let look = |a: Side, b: Side, threshold: f32| {
+        let shown = [a, b].map(|side| Profile { source, canvas, side, point_count });
+        sides_agree(&shown, threshold)
+    };
     if sides.len() <= ALL_PAIRS_SIDES {
-        let profiles: Vec<Vec<Vec4>> =
-            sides.iter().map(|&side| profile(source, canvas, side, point_count)).collect();
         let mut pairs = (0..sides.len()).flat_map(|a| (0..a).map(move |b| (a, b)));
-        return Ok(pairs.all(|(a, b)| profiles_agree(source, &profiles[a], &profiles[b], threshold)));
+        return Ok(pairs.all(|(a, b)| look(sides[a], sides[b], threshold)));
     }
-    let first = profile(source, canvas, sides[0], point_count);
     for &side in &sides[1..] {
         watch::check(watch)?;
-        let other = profile(source, canvas, side, point_count);
-        if !profiles_agree(source, &first, &other, threshold * 0.5) {
+        if !look(sides[0], side, threshold * 0.5) {
             return Ok(false);
         }
     }
@@ -72,8 +71,10 @@ fn ends(source: &SurfaceSource<'_>, canvas: &CanvasMesh, side: Side) -> [glam::V
     [places[canvas.corner_at_end(side, 0)], places[canvas.corner_at_end(side, 1)]]
 }
 
-fn same_places(source: &SurfaceSource<'_>, canvas: &CanvasMesh, a: Side, b: Side) -> bool {
-    ends(source, canvas, a) == ends(source, canvas, b)
+/// Whether two sides show the same without looking: the same places, of normals in the same frames.
+fn is_same(source: &SurfaceSource<'_>, canvas: &CanvasMesh, a: Side, b: Side) -> bool {
+    let frame = |side: Side, end: usize| source.frame(side.face as usize, canvas.corner_at_end(side, end));
+    ends(source, canvas, a) == ends(source, canvas, b) && (0..2).all(|end| frame(a, end) == frame(b, end))
 }
 
 fn length_texels(source: &SurfaceSource<'_>, canvas: &CanvasMesh, side: Side) -> f32 {
@@ -81,47 +82,62 @@ fn length_texels(source: &SurfaceSource<'_>, canvas: &CanvasMesh, side: Side) ->
     low.distance(high)
 }
 
-/// The source along a side from its low end, at the middles of equal pieces, as it is compared: codes,
-/// or unit normals.
-fn profile(source: &SurfaceSource<'_>, canvas: &CanvasMesh, side: Side, point_count: usize) -> Vec<Vec4> {
-    let edge = usize::from(side.edge);
-    let reversed = canvas.faces[side.face as usize].is_reversed(edge);
-    let at = |point: usize| {
-        let t = (point as f32 + 0.5) / point_count as f32;
-        let t = if reversed { 1.0 - t } else { t };
-        let value = source.along_edge(canvas, side.face as usize, edge, t);
-        if source.channel.is_normal() {
-            return value;
-        }
-        let color = match source.channel.transfer {
-            Transfer::Srgb => value.xyz().map(linear_to_srgb),
-            Transfer::Linear => value.xyz(),
-        };
-        (color * 255.0).extend(value.w * 255.0)
-    };
-    (0..point_count).map(at).collect()
+/// The source along a side, looked at in the middles of equal pieces.
+struct Profile<'a> {
+    source: &'a SurfaceSource<'a>,
+    canvas: &'a CanvasMesh,
+    side: Side,
+    point_count: u32,
 }
 
-fn profiles_agree(source: &SurfaceSource<'_>, a: &[Vec4], b: &[Vec4], threshold: f32) -> bool {
-    let by_alpha = source.channel.is_alpha_weighted();
-    let mut differences: Vec<f32> = (a.iter().zip(b))
-        // What is transparent on one side has no color there and no vote.
-        .filter(|(a, b)| !by_alpha || (a.w > 0.0 && b.w > 0.0))
-        .map(|(a, b)| {
-            if source.channel.is_normal() {
-                a.xyz().angle_between(b.xyz()).to_degrees() * CODES_PER_DEGREE
-            } else {
-                let difference = (*a - *b).abs();
-                // An alpha that nobody shows is not stored and parts nothing.
-                if by_alpha { difference.max_element() } else { difference.xyz().max_element() }
-            }
-        })
-        .collect();
-    if differences.is_empty() {
-        return true;
+impl Profile<'_> {
+    /// The value of a piece, counted from the side's low end.
+    fn value(&self, piece: u32) -> Vec4 {
+        let edge = usize::from(self.side.edge);
+        let t = (piece as f32 + 0.5) / self.point_count as f32;
+        let t = if self.canvas.faces[self.side.face as usize].is_reversed(edge) { 1.0 - t } else { t };
+        self.source.along_edge(self.canvas, self.side.face as usize, edge, t)
     }
-    let mean = differences.iter().sum::<f32>() / differences.len() as f32;
-    differences.sort_by(f32::total_cmp);
-    let peak = differences[(differences.len() * 95 / 100).min(differences.len() - 1)];
-    mean <= threshold && peak <= PEAK_FACTOR * threshold
+}
+
+/// Looks from piece to piece until it is clear that the mean, or the 95th percentile, is beyond its bound.
+fn sides_agree(sides: &[Profile<'_>; 2], threshold: f32) -> bool {
+    let point_count = sides[0].point_count;
+    let by_alpha = sides[0].source.channel.is_alpha_weighted();
+    let (mut sum, mut compared, mut peaks) = (0.0, 0, 0);
+    for piece in 0..point_count {
+        let [a, b] = [&sides[0], &sides[1]].map(|side| side.value(piece));
+        // What is transparent on one side has no color there and no vote.
+        if by_alpha && (a.w <= 0.0 || b.w <= 0.0) {
+            continue;
+        }
+        let difference = difference_codes(sides[0].source, a, b);
+        sum += difference;
+        compared += 1;
+        peaks += u32::from(difference > PEAK_FACTOR * threshold);
+        let is_beyond = sum > threshold * point_count as f32 || is_many(peaks, point_count);
+        if is_beyond {
+            return false;
+        }
+    }
+    sum <= threshold * compared as f32 && !is_many(peaks, compared)
+}
+
+/// Whether so many of `count` are more than a twentieth: whether the 95th percentile is one of them.
+fn is_many(peaks: u32, count: u32) -> bool {
+    count > 0 && peaks >= count - (count * 95 / 100).min(count - 1)
+}
+
+fn difference_codes(source: &SurfaceSource<'_>, a: Vec4, b: Vec4) -> f32 {
+    if source.channel.is_normal() {
+        return a.xyz().angle_between(b.xyz()).to_degrees() * CODES_PER_DEGREE;
+    }
+    let code = |value: Vec4| match source.channel.transfer {
+        Transfer::Srgb => value.xyz().map(linear_to_srgb).extend(value.w),
+        Transfer::Linear => value,
+    };
+    // Equal values need no codes: encoding is what costs.
+    let difference = if a == b { Vec4::ZERO } else { (code(a) - code(b)).abs() * 255.0 };
+    // An alpha that nobody shows is not stored and parts nothing.
+    if source.channel.is_alpha_weighted() { difference.max_element() } else { difference.xyz().max_element() }
 }

@@ -97,9 +97,9 @@ impl Means<'_> {
             }
             *value = mean(total.0, total.1, self.by_alpha);
         });
-        for_strips(self.numbering, strips, |strip, at| {
+        for_strips(self.numbering, strips, |sides, at| {
             let mut total = (Vec4::ZERO, 0.0);
-            for view in sides(self.numbering, strip) {
+            for view in sides {
                 // On a finer face all that the strip's hat covers, widened so that the face does not count
                 // less for its narrower band.
                 let step = view.step as f32;
@@ -133,24 +133,27 @@ pub fn gather_sums(numbering: &LevelNumbering<'_>, borders: &Borders, shared: &m
         }
         *value = sum;
     });
-    for_strips(numbering, strips, |strip, at| {
+    for_strips(numbering, strips, |sides, at| {
         let mut sum = Vec4::ZERO;
-        for view in sides(numbering, strip) {
+        for view in sides {
             view.around(at, view.step - 1, |index, hat| sum += borders.of(view.face)[index] * hat);
         }
         sum
     });
 }
 
-/// Sets every sample of every strip, given its strip and its place in it, from 1.
+/// Sets every sample of every strip, given the strip's sides and its place in it, from 1.
 fn for_strips(
     numbering: &LevelNumbering<'_>,
     samples: &mut [Vec4],
-    value: impl Fn(usize, u32) -> Vec4 + Sync,
+    value: impl Fn(&[SideView], u32) -> Vec4 + Sync,
 ) {
     let lengths = (0..numbering.topology.strips.len()).map(|strip| numbering.strip_range(strip).len());
-    parts(samples, lengths).into_par_iter().enumerate().for_each(|(strip, samples)| {
-        samples.iter_mut().zip(1..).for_each(|(sample, at)| *sample = value(strip, at));
+    let strips = parts(samples, lengths).into_par_iter().enumerate();
+    strips.for_each_init(Vec::new, |sides, (strip, samples)| {
+        sides.clear();
+        sides.extend(self::sides(numbering, strip));
+        samples.iter_mut().zip(1..).for_each(|(sample, at)| *sample = value(sides, at));
     });
 }
 
@@ -158,6 +161,7 @@ fn for_strips(
 struct SideView {
     face: usize,
     segments: u32,
+    /// Its first border point.
     first: u32,
     reversed: bool,
     /// Face segments for each segment of the strip.

@@ -111,7 +111,7 @@ fn filtered(
     watch: &dyn Watch,
 ) -> Result<Vec<Vec4>> {
     let by_alpha = source.channel.is_alpha_weighted();
-    gathered(source, numbering, false, |room, face, interior, border| {
+    let mut values = gathered(source, numbering, false, |room, face, interior, border| {
         let shape = Shape::of(numbering, face);
         let strata = strata.map_or_else(|| strata_of(source, numbering, face), u32::from);
         let subject = Subject { source, numbering, face, strata, by_alpha, watch };
@@ -121,7 +121,12 @@ fn filtered(
             interior.iter_mut().for_each(|value| *value = mean(*value, 1.0, true));
         }
         Ok(())
-    })
+    })?;
+    if !source.channel.is_normal() {
+        // A mean of what is in range is out of it by rounding at most.
+        values.par_iter_mut().for_each(|value| *value = value.clamp(Vec4::ZERO, Vec4::ONE));
+    }
+    Ok(values)
 }
 
 /// Strata along a side of a cell: one for each source texel, by area.

@@ -3,7 +3,7 @@
 //! A face is drawn as one or two triangles, and on each of them places and frames are affine in the grid's
 //! coordinates. So a row costs one multiply-add a point, and texels are decoded once for a whole window.
 
-use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
+use glam::{Mat4, Vec2, Vec3, Vec4, Vec4Swizzles};
 
 use super::SurfaceSource;
 use crate::image::{Tile, bilinear};
@@ -145,37 +145,30 @@ impl FaceReader {
             }
         }
         if let Some(scale) = source.channel.normal_scale() {
-            for (count, value) in values.iter_mut().enumerate() {
-                let x = x + step * count as f32;
-                *value = self.object_normal(source, piece, [x, y], (*value, scale)).extend(1.0);
+            let steps = Vec4::new(0.0, 1.0, 2.0, 3.0) * step;
+            let mut first = x;
+            for four in values.chunks_mut(4) {
+                let mut stored = [Vec4::Z; 4];
+                stored[..four.len()].copy_from_slice(four);
+                let at = Vec4::splat(first) + steps;
+                let found = piece.object_normals(stored, scale, at, y).unwrap_or_else(|| {
+                    let careful = |k: usize| self.object_normal(source, piece, [at[k], y], (stored[k], scale));
+                    std::array::from_fn(careful)
+                });
+                four.copy_from_slice(&found[..four.len()]);
+                first += 4.0 * step;
             }
         }
     }
 
-    /// A stored normal in the frame that is interpolated at a point: see [`Frame::blend`].
-    #[inline(always)]
+    /// A stored normal in the frame that is interpolated at a point.
     fn object_normal(
         &self,
         source: &SurfaceSource<'_>,
         piece: &Piece,
         [x, y]: [f32; 2],
         (stored, scale): (Vec4, f32),
-    ) -> Vec3 {
-        let normal = piece.normal.at(x, y);
-        let normal_squared = normal.length_squared();
-        let tangent = piece.tangent.at(x, y);
-        let tangent = tangent - normal * (normal.dot(tangent) / normal_squared);
-        let tangent_squared = tangent.length_squared();
-        let local = (stored.xyz() * 2.0 - 1.0) * Vec3::new(scale, scale, 1.0);
-        // Left unnormalized by the normal's length, which is divided out with the result's own.
-        let length = normal_squared.sqrt();
-        let across = (tangent * (length * local.x) + normal.cross(tangent) * (piece.handedness * local.y))
-            / tangent_squared.sqrt();
-        let found = across + normal * local.z;
-        let squared = found.length_squared();
-        if normal_squared > SHORTEST_SQUARED && tangent_squared > SHORTEST_SQUARED && squared > SHORTEST_SQUARED {
-            return found / squared.sqrt();
-        }
+    ) -> Vec4 {
         let [s, t] = [x, y].map(|v| v / self.segments);
         let weights = match (self.is_triangle, piece.corners) {
             (true, _) => Vec3::new(1.0 - s - t, s, t),
@@ -183,7 +176,60 @@ impl FaceReader {
             _ => Vec3::new(1.0 - t, s, t - s),
         };
         let frame = Frame::blend(piece.corners.map(|corner| &source.frames[self.face][corner]), weights);
-        super::texture::decode_normal(stored.xyz(), scale, frame)
+        super::texture::decode_normal(stored.xyz(), scale, frame).extend(1.0)
+    }
+}
+
+impl Piece {
+    /// Four stored normals in the frames that are interpolated at `(x, y)`, as [`Frame::blend`] and the
+    /// decoding of single normals have them; nothing where a length is too small to divide by.
+    #[inline]
+    fn object_normals(&self, stored: [Vec4; 4], scale: f32, x: Vec4, y: f32) -> Option<[Vec4; 4]> {
+        let lanes = Mat4::from_cols(stored[0], stored[1], stored[2], stored[3]).transpose();
+        let across = (lanes.x_axis * 2.0 - 1.0) * scale;
+        let up = (lanes.y_axis * 2.0 - 1.0) * (scale * self.handedness);
+        let out = lanes.z_axis * 2.0 - 1.0;
+        let normal = Lanes::along(&self.normal, x, y);
+        let normal_squared = normal.dot(&normal);
+        let tangent = Lanes::along(&self.tangent, x, y);
+        let tangent = tangent.plus(&normal, -(normal.dot(&tangent) / normal_squared));
+        let tangent_squared = tangent.dot(&tangent);
+        // Longer than it should be by the normal's length, which goes away with the result's own.
+        let tangent_length = tangent_squared.map(f32::sqrt);
+        let found = Lanes([Vec4::ZERO; 3])
+            .plus(&tangent, normal_squared.map(f32::sqrt) * across / tangent_length)
+            .plus(&normal.cross(&tangent), up / tangent_length)
+            .plus(&normal, out);
+        let squared = found.dot(&found);
+        let shortest = Vec4::splat(SHORTEST_SQUARED);
+        let is_sound = normal_squared.cmpgt(shortest) & tangent_squared.cmpgt(shortest) & squared.cmpgt(shortest);
+        let [x, y, z] = found.0.map(|lane| lane / squared.map(f32::sqrt));
+        let found = Mat4::from_cols(x, y, z, Vec4::ONE).transpose();
+        is_sound.all().then_some([found.x_axis, found.y_axis, found.z_axis, found.w_axis])
+    }
+}
+
+/// Four vectors, component by component.
+struct Lanes([Vec4; 3]);
+
+impl Lanes {
+    fn along(affine: &Affine<Vec3>, x: Vec4, y: f32) -> Self {
+        let start = affine.at + affine.along[1] * y;
+        Self([0, 1, 2].map(|k| Vec4::splat(start[k]) + x * affine.along[0][k]))
+    }
+
+    fn dot(&self, other: &Self) -> Vec4 {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        a * x + b * y + c * z
+    }
+
+    fn cross(&self, other: &Self) -> Self {
+        let ([a, b, c], [x, y, z]) = (self.0, other.0);
+        Self([b * z - c * y, c * x - a * z, a * y - b * x])
+    }
+
+    fn plus(&self, other: &Self, factor: Vec4) -> Self {
+        Self([0, 1, 2].map(|k| self.0[k] + other.0[k] * factor))
     }
 }
 

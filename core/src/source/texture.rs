@@ -118,6 +118,11 @@ impl<'a> SurfaceSource<'a> {
         &self.places[face]
     }
 
+    /// The frame at a corner of a face; of normal channels only.
+    pub fn frame(&self, face: usize, corner: usize) -> Option<&Frame> {
+        self.frames.get(face).map(|frames| &frames[corner])
+    }
+
     /// The value at `(s, t)` of the face's unit domain: linear light, data, or an object-space unit normal
     /// (with `w` 1).
     pub fn at(&self, canvas: &CanvasMesh, face: usize, s: f32, t: f32) -> Vec4 {
