@@ -7,7 +7,8 @@ use glam::{Vec2, Vec4};
 use super::{Image, Pixels, Transfer, Wrap};
 use crate::math::transfer::SRGB8_TO_LINEAR;
 
-pub(super) static DATA8: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|code| code as f32 / 255.0));
+pub(super) static DATA8: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|code| code as f32 / 255.0));
 
 /// The bilinear value at `at_texels` (texel centers at `.5`), in linear light for color. Finite for every
 /// finite `at_texels` within ±1e9.

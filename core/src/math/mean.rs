@@ -3,7 +3,7 @@
 use glam::{Vec4, Vec4Swizzles};
 
 /// What a sample without alpha counts for in the mean of a color: nothing, unless all are so.
-const TRANSPARENT_WEIGHT: f32 = 1e-5;
+pub const TRANSPARENT_WEIGHT: f32 = 1e-5;
 
 /// A running mean of values `(r, g, b, a)`. With `by_alpha` the color is weighted by alpha, so that what is
 /// transparent has no vote; the result is straight (not premultiplied).

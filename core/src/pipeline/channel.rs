@@ -12,6 +12,7 @@ use crate::layout::Layout;
 use crate::math::transfer::linear_to_srgb;
 use crate::measure::SolverReport;
 use crate::mip::{coarsen, coverage, keep_coverage};
+use crate::resample::{Fit, Samples};
 use crate::solve::{Problem, Solution, Solver, solve, violated_count};
 use crate::source::SourceChannel;
 use crate::watch::{self, Stage, Watch};
@@ -39,6 +40,8 @@ pub struct FinishedChannel {
     /// Distinct samples by level.
     pub sample_counts: Vec<u64>,
     pub solver: Vec<SolverReport>,
+    /// How the samples of level 0 were fitted, where they were.
+    pub fit: Option<Fit>,
     pub is_alpha_weighted: bool,
     pub keeps_coverage: bool,
 }
@@ -47,7 +50,7 @@ pub struct FinishedChannel {
 pub fn finish_channel(
     input: ChannelInput<'_>,
     mut numbering: LevelNumbering<'_>,
-    samples: Vec<Vec4>,
+    samples: Samples,
     watch: &dyn Watch,
 ) -> Result<FinishedChannel> {
     let codec = codec(input.channel);
@@ -59,11 +62,12 @@ pub fn finish_channel(
         levels: Vec::new(),
         sample_counts: Vec::new(),
         solver: Vec::new(),
+        fit: samples.fit,
         is_alpha_weighted: by_alpha,
         keeps_coverage: input.mask_cutoff.is_some(),
     };
     let (canvas, topology) = (numbering.canvas, numbering.topology);
-    let mut values = samples;
+    let mut values = samples.values;
     let mut wanted_coverage = 0.0;
     for level in 0..input.layout.level_count() {
         watch.stage(Stage::Mip);

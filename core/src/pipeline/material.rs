@@ -71,7 +71,7 @@ pub fn convert_material(
         let topology = ChannelTopology::new(&canvas, &resolutions, &cuts);
         let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
         watch.stage(Stage::Resample);
-        let samples = sample(source, &numbering, options.sampling, watch)?.values;
+        let samples = sample(source, &numbering, options.sampling, watch)?;
         let input = ChannelInput {
             channel: source.channel,
             resolutions: &resolutions,

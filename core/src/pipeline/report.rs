@@ -51,6 +51,7 @@ pub fn of_conversion(
     report.growth.converted_vertices = write::vertex_count(asset, finished);
     report.warnings.extend(write::losses(asset, finished));
     report.warnings.extend(report.channels.iter().filter_map(unsolved));
+    report.warnings.extend(materials.iter().flat_map(unfitted));
     for layout in &mut report.layouts {
         if let Some(conversion) = materials.iter().find(|m| m.material == layout.material) {
             describe_layout(layout, conversion);
@@ -77,6 +78,24 @@ fn unsolved(channel: &ChannelReport) -> Option<Warning> {
         ),
         pointer: format!("/materials/{}/{}", channel.material, channel.slots.join("+")),
         count: 1 + levels.count() as u64,
+    })
+}
+
+/// The channels whose fit of level 0 stopped at its limit of steps.
+fn unfitted(conversion: &MaterialConversion) -> impl Iterator<Item = Warning> {
+    conversion.channels.iter().filter_map(|channel| {
+        let fit = channel.fit.filter(|fit| !fit.is_converged())?;
+        let slots: Vec<_> = channel.slots.iter().map(|slot| slot.gltf_name()).collect();
+        Some(Warning {
+            code: "fit_stopped_early".to_owned(),
+            detail: format!(
+                "after {} steps the samples of level 0 would still change by {:.1e} of the range (asked for: \
+                 {:.0e}); they are nearer to the source than sampled ones, but not the nearest",
+                fit.step_count, fit.residual, fit.tolerance
+            ),
+            pointer: format!("/materials/{}/{}", conversion.material, slots.join("+")),
+            count: 1,
+        })
     })
 }
 

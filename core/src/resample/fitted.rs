@@ -17,7 +17,7 @@
 use glam::{DVec4, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
-use super::gather::{Borders, TRANSPARENT_WEIGHT, cell_areas, gather_sums, interiors};
+use super::gather::{Borders, cell_areas, gather_sums, interiors};
 use super::mass::{Mass, cell_index};
 use super::quadrature::{CellSums, Quadrature, Subject};
 use super::samples::strata_of;
@@ -25,6 +25,7 @@ use super::shape::Shape;
 use crate::colors::LevelNumbering;
 use crate::error::Result;
 use crate::image::Pixels;
+use crate::math::mean::TRANSPARENT_WEIGHT;
 use crate::source::SurfaceSource;
 use crate::watch::Watch;
 
@@ -89,21 +90,22 @@ fn integrate(
     let mut wanted = vec![Vec4::ZERO; numbering.sample_count()];
     let (shared, inner) = wanted.split_at_mut(numbering.shared_count());
     let faces = interiors(numbering, inner).into_par_iter().zip(borders.parts()).enumerate();
-    let integrate_face = |room: &mut Quadrature, (face, (interior, border)): (usize, (&mut [Vec4], &mut [Vec4]))| {
-        let shape = Shape::of(numbering, face);
-        let strata = strata_of(source, numbering, face);
-        let subject = Subject { source, numbering, face, strata, by_alpha: false, watch };
-        let mut weights = Vec::new();
-        let weigh = |cell: [u32; 2], sums: &mut CellSums| {
-            if is_weighted {
-                weigh_by_alpha(shape, cell, sums, &mut weights);
-            }
+    let integrate_face =
+        |room: &mut Quadrature, (face, (interior, border)): (usize, (&mut [Vec4], &mut [Vec4]))| {
+            let shape = Shape::of(numbering, face);
+            let strata = strata_of(source, numbering, face);
+            let subject = Subject { source, numbering, face, strata, by_alpha: false, watch };
+            let mut weights = Vec::new();
+            let weigh = |cell: [u32; 2], sums: &mut CellSums| {
+                if is_weighted {
+                    weigh_by_alpha(shape, cell, sums, &mut weights);
+                }
+            };
+            let mut slots = interior.iter_mut();
+            room.integrate(&subject, weigh, |j, row| shape.put_row(j, row, &mut slots, border))?;
+            interior.iter_mut().chain(border).for_each(|value| *value *= cell_areas[face]);
+            Ok(weights)
         };
-        let mut slots = interior.iter_mut();
-        room.integrate(&subject, weigh, |j, row| shape.put_row(j, row, &mut slots, border))?;
-        interior.iter_mut().chain(border).for_each(|value| *value *= cell_areas[face]);
-        Ok(weights)
-    };
     let weights = faces.map_init(Quadrature::default, integrate_face).collect::<Result<Vec<_>>>()?;
     gather_sums(numbering, borders, shared);
     Ok((wanted, is_weighted.then_some(weights)))
@@ -147,9 +149,7 @@ impl<'a> Solver<'a> {
         let mut product = vec![Vec4::ZERO; values.len()];
         let mut direction = vec![Vec4::ONE; values.len()];
         mass.multiply(&direction, &mut product, &mut borders, watch)?;
-        let total_mass = sum(values.len(), |range| {
-            product[range].iter().map(|mass| mass.as_dvec4()).sum()
-        });
+        let total_mass = sum(values.len(), |range| product[range].iter().map(|mass| mass.as_dvec4()).sum());
         let scales = product.par_iter().map(|mass| [1.0 / mass.x, 1.0 / mass.w]).collect();
         mass.multiply(&values, &mut product, &mut borders, watch)?;
         let mut residuals = wanted;
@@ -214,9 +214,7 @@ impl<'a> Solver<'a> {
     }
 
     fn dot(&self, a: &[Vec4], b: &[Vec4]) -> DVec4 {
-        sum(a.len(), |range| {
-            a[range.clone()].iter().zip(&b[range]).map(|(a, b)| (*a * *b).as_dvec4()).sum()
-        })
+        sum(a.len(), |range| a[range.clone()].iter().zip(&b[range]).map(|(a, b)| (*a * *b).as_dvec4()).sum())
     }
 
     /// The next direction: the preconditioned residual and so much of the one before.
@@ -252,3 +250,6 @@ fn sum(count: usize, of: impl Fn(std::ops::Range<usize>) -> DVec4 + Sync) -> DVe
     let sums: Vec<DVec4> = chunks.map(|k| of(k * CHUNK..((k + 1) * CHUNK).min(count))).collect();
     sums.into_iter().sum()
 }
+
+#[cfg(test)]
+mod tests;

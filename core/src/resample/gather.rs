@@ -5,9 +5,7 @@ use rayon::prelude::*;
 
 use super::shape::Shape;
 use crate::colors::LevelNumbering;
-
-/// What a color without alpha counts for where colors are weighted by it: nothing, unless all are so.
-pub const TRANSPARENT_WEIGHT: f32 = 1e-5;
+use crate::math::mean::TRANSPARENT_WEIGHT;
 
 /// A value as it enters a sum: with `by_alpha` the color times its alpha.
 pub fn weighted(value: Vec4, by_alpha: bool) -> Vec4 {

@@ -1,4 +1,7 @@
 //! Source to mesh colors: how many samples a face gets, which edges stay cut, and each sample's value.
+//!
+//! The ladder of [`Sampling`] (method: samples from a source): a fetch at the sample, the source against the
+//! sample's hat, or the fit of all samples at once.
 
 mod cuts;
 mod fitted;
@@ -12,6 +15,6 @@ mod shape;
 mod tests;
 
 pub use cuts::find_cuts;
-pub use resolution::{Resolution, resolutions};
 pub use fitted::Fit;
+pub use resolution::{Resolution, resolutions};
 pub use samples::{Samples, Sampling, sample};

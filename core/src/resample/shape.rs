@@ -53,7 +53,13 @@ impl Shape {
     }
 
     /// Puts a whole row where it belongs: its ends, or all of it, to the border, the rest inside.
-    pub fn put_row(self, j: u32, row: &[Vec4], interior: &mut std::slice::IterMut<'_, Vec4>, border: &mut [Vec4]) {
+    pub fn put_row(
+        self,
+        j: u32,
+        row: &[Vec4],
+        interior: &mut std::slice::IterMut<'_, Vec4>,
+        border: &mut [Vec4],
+    ) {
         let n = self.segments as usize;
         let last = row.len() - 1;
         if self.is_inside(j) {
@@ -71,7 +77,13 @@ impl Shape {
     }
 
     /// The inverse of [`put_row`](Self::put_row).
-    pub fn take_row(self, j: u32, row: &mut [Vec4], interior: &mut std::slice::Iter<'_, Vec4>, border: &[Vec4]) {
+    pub fn take_row(
+        self,
+        j: u32,
+        row: &mut [Vec4],
+        interior: &mut std::slice::Iter<'_, Vec4>,
+        border: &[Vec4],
+    ) {
         let n = self.segments as usize;
         let last = row.len() - 1;
         if self.is_inside(j) {

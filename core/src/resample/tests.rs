@@ -160,3 +160,28 @@ fn faces_without_area_still_show_their_texture() {
         }
     }
 }
+
+/// Faces of more than one window: rows agree with single fetches, and strata with the mean of the source.
+#[test]
+fn large_faces_are_read_as_small_ones() {
+    let noise = image(|x, y| (x * 37 + y * 91) as u8);
+    for uvs in [LEFT, [[-3.0, 0.2], [7.0, 4.0], [1.0, 9.0]]] {
+        let asset = two_charts(noise.clone(), uvs, RIGHT);
+        let canvas = canvas_of(&asset);
+        let channels = channels(&asset, 0);
+        let source = SurfaceSource::new(&channels[0], &asset, &canvas);
+        let resolutions = Resolutions { faces: vec![6; 2] };
+        let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
+        let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
+        let point = sample(&source, &numbering, Sampling::Point, &Unwatched).unwrap().values;
+        for (i, j) in (1..64).flat_map(|j| (1..64 - j).map(move |i| (i, j))) {
+            let found = point[numbering.tap(0, i, j).samples[0] as usize];
+            let wanted = source.at(&canvas, 0, i as f32 / 64.0, j as f32 / 64.0);
+            assert!((found - wanted).abs().max_element() < 3e-4, "{i} {j}: {found}, {wanted}");
+        }
+        let [coarse, fine] = [4, 16]
+            .map(|k| sample(&source, &numbering, Sampling::Filtered(Some(k)), &Unwatched).unwrap().values);
+        let worst = coarse.iter().zip(&fine).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max);
+        assert!(worst > 0.0 && worst < 0.05, "{worst}");
+    }
+}

@@ -85,8 +85,7 @@ impl FaceReader {
             place.is_finite()
         });
         let needed = Tile::needed_texels(bounds[0], bounds[1]);
-        self.is_tiled =
-            is_finite && needed <= (TEXELS_PER_FETCH * fetch_count as f32).min(TILE_TEXELS_MAX);
+        self.is_tiled = is_finite && needed <= (TEXELS_PER_FETCH * fetch_count as f32).min(TILE_TEXELS_MAX);
         if self.is_tiled {
             let channel = source.channel;
             self.tile.fill(channel.image, channel.transfer, channel.texture.wrap, bounds[0], bounds[1]);
@@ -152,7 +151,8 @@ impl FaceReader {
                 stored[..four.len()].copy_from_slice(four);
                 let at = Vec4::splat(first) + steps;
                 let found = piece.object_normals(stored, scale, at, y).unwrap_or_else(|| {
-                    let careful = |k: usize| self.object_normal(source, piece, [at[k], y], (stored[k], scale));
+                    let careful =
+                        |k: usize| self.object_normal(source, piece, [at[k], y], (stored[k], scale));
                     std::array::from_fn(careful)
                 });
                 four.copy_from_slice(&found[..four.len()]);
@@ -202,7 +202,8 @@ impl Piece {
             .plus(&normal, out);
         let squared = found.dot(&found);
         let shortest = Vec4::splat(SHORTEST_SQUARED);
-        let is_sound = normal_squared.cmpgt(shortest) & tangent_squared.cmpgt(shortest) & squared.cmpgt(shortest);
+        let is_sound =
+            normal_squared.cmpgt(shortest) & tangent_squared.cmpgt(shortest) & squared.cmpgt(shortest);
         let [x, y, z] = found.0.map(|lane| lane / squared.map(f32::sqrt));
         let found = Mat4::from_cols(x, y, z, Vec4::ONE).transpose();
         is_sound.all().then_some([found.x_axis, found.y_axis, found.z_axis, found.w_axis])
@@ -255,3 +256,6 @@ where
         self.at + self.along[0] * x + self.along[1] * y
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,71 @@
+use glam::{Vec2, Vec3, Vec4};
+
+use super::FaceReader;
+use crate::asset::{Asset, Face, Material, Mesh, Primitive, Slot, TextureRef, UvTransform};
+use crate::image::{Image, Pixels, Wrap};
+use crate::mesh::{CanvasMesh, Polygons, build};
+use crate::source::{SurfaceSource, channels};
+
+/// A triangle and a bent quad with normals and tangents of all directions.
+fn model(slot: Slot) -> (Asset, CanvasMesh) {
+    let positions: Vec<Vec3> =
+        [[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [0.0, 1.0, 0.1], [1.0, 1.0, 0.5], [0.4, 2.0, 0.0]]
+            .map(Vec3::from)
+            .to_vec();
+    let faces = vec![Face::triangle([0, 1, 2]), Face { corners: [1, 3, 4, 2], count: 4 }];
+    let tilt = |k: usize| Vec3::new((k as f32).sin(), (k as f32 * 2.0).cos(), 1.5).normalize();
+    let primitive = Primitive {
+        material: Some(0),
+        texcoords: vec![
+            positions.iter().map(|p| Vec2::new(p.x * 0.7 - 0.1 * p.y, p.y * 0.6 + p.z)).collect(),
+        ],
+        normals: (0..5).map(tilt).collect(),
+        tangents: (0..5).map(|k| tilt(k).any_orthonormal_vector().extend(-1.0)).collect(),
+        positions,
+        faces,
+        ..Primitive::default()
+    };
+    let mut material = Material::default();
+    material.slots[slot as usize] =
+        Some(TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() });
+    let pixels = (0..32 * 16 * 3u32).map(|k| (k * 97 % 200 + 28) as u8).collect();
+    let mut asset = Asset {
+        images: vec![Image { width: 32, height: 16, components: 3, pixels: Pixels::U8(pixels) }],
+        materials: vec![material],
+        ..Asset::default()
+    };
+    let mut faces = primitive.faces.iter().map(|face| (face.corners, face.count));
+    let canvas =
+        build([Polygons { mesh: 0, primitive: 0, positions: &primitive.positions, faces: &mut faces }]);
+    drop(faces);
+    asset.meshes.push(Mesh { name: String::new(), primitives: vec![primitive] });
+    (asset, canvas)
+}
+
+/// Rows show what single points show: with and without a tile, on both halves of a quad, colors and normals.
+#[test]
+fn rows_agree_with_points() {
+    for slot in [Slot::BaseColor, Slot::Normal] {
+        let (asset, canvas) = model(slot);
+        let channels = channels(&asset, 0);
+        let source = SurfaceSource::new(&channels[0], &asset, &canvas);
+        for (face, fetch_count) in [(0, 1000), (1, 1000), (0, 0), (1, 0)] {
+            let mut reader = FaceReader::default();
+            reader.open(&source, &canvas, face, 8);
+            reader.open_window(&source, [0, 0], [8, 8], fetch_count);
+            assert_eq!(reader.is_tiled, fetch_count > 0);
+            for j in 0..8u32 {
+                let y = j as f32 + 0.25;
+                let count = if face == 0 { (8 - j) * 2 - 1 } else { 16 };
+                let mut row = vec![Vec4::ZERO; count as usize];
+                reader.row(&source, 0.125, y, 0.5, &mut row);
+                for (k, found) in row.iter().enumerate() {
+                    let x = 0.125 + 0.5 * k as f32;
+                    let wanted = source.at(&canvas, face, x / 8.0, y / 8.0);
+                    let worst = (*found - wanted).abs().max_element();
+                    assert!(worst < 1e-4, "{slot:?} face {face} at {x} {y}: {found}, {wanted}");
+                }
+            }
+        }
+    }
+}
