@@ -129,7 +129,7 @@ proptest! {
 fn twenty_levels_hold_what_the_first_ones_do() {
     for (seed, beyond) in [(4, Beyond::Heat), (5, Beyond::OneRing)] {
         let (mut patch, picture) = wild(seed);
-        patch.positions.iter_mut().for_each(|position| position.x *= 1e12);
+        patch.positions.iter_mut().for_each(|position| *position *= Vec3::new(1e8, 1e-6, 1e-6));
         let options = Options { beyond, resolution: Resolution::Area(4.0), ..Options::default() };
         let conversion = converted(&patch.upload(&picture), &options);
         assert_eq!(conversion.finished.textures[0].levels.len(), 21);
@@ -321,7 +321,8 @@ proptest! {
         let other = Patch { faces: order.iter().map(turned).collect(), ..patch.clone() };
         let [first, second] = [&patch, &other].map(|patch| converted(&patch.upload(&smooth(64)), &options));
         let [first, second] = [first, second].map(|conversion| samples(&conversion, EXPONENT.into()));
-        for (level, (first, second)) in first.iter().zip(&second).enumerate() {
+        // Beyond vertex colors the texels of a face lie by its place, and so do the rules that its colors have to keep.
+        for (level, (first, second)) in first.iter().zip(&second).enumerate().take(usize::from(EXPONENT) + 1) {
             let n = 1usize << usize::from(EXPONENT).saturating_sub(level);
             for (number, &(face, turn)) in order.iter().enumerate() {
                 for (i, j) in (0..=n).flat_map(|j| (0..=n - j).map(move |i| (i, j))) {
