@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use meshcolor::asset::{Asset, Slot};
 use meshcolor::finished::{Finished, FinishedTriangle};
 use meshcolor::image::{Image, Pixels};
-use meshcolor::pipeline::{Conversion, Options, Resolution, Sampling, check, convert, convert_asset};
+use meshcolor::pipeline::{Beyond, Conversion, Options, Resolution, Sampling, check, convert, convert_asset};
 use meshcolor::read::{Limits, Upload, read};
 use meshcolor::watch::Unwatched;
 use meshcolor_tests::patches::{Corner, Patch, Random, noise, picture, smooth};
@@ -87,11 +87,14 @@ proptest! {
         sampling in prop_oneof![Just("point"), Just("filtered")],
         resolution in prop_oneof![Just("fixed:0"), Just("fixed:1"), Just("fixed:5"), Just("area:0.01"), Just("area:4"), Just("density:9")],
         solver in prop_oneof![Just("global"), Just("clamp")],
+        mip in prop_oneof![Just("uniform"), Just("area")],
+        beyond in prop_oneof![Just("one-ring"), Just("heat")],
         cut in prop_oneof![Just("0"), Just("8"), Just("255")],
     ) {
         let (patch, picture) = wild(seed);
         let mut options = Options::default();
-        for (name, value) in [("sampling", sampling), ("resolution", resolution), ("solver", solver), ("cut", cut)] {
+        let rungs = [("sampling", sampling), ("resolution", resolution), ("solver", solver), ("mip", mip), ("beyond", beyond), ("cut", cut)];
+        for (name, value) in rungs {
             options.set(name, value).unwrap();
         }
         let conversion = converted(&patch.upload(&picture), &options);
@@ -117,6 +120,21 @@ proptest! {
         for level in &conversion.finished.textures[0].levels {
             prop_assert!(level.width >= 1 && level.height >= 1);
         }
+    }
+}
+
+/// A model drawn out until it is one texel at level 20 alone: blocks stand apart and edges are joined there
+/// too, where a face is a millionth of a texel.
+#[test]
+fn twenty_levels_hold_what_the_first_ones_do() {
+    for (seed, beyond) in [(4, Beyond::Heat), (5, Beyond::OneRing)] {
+        let (mut patch, picture) = wild(seed);
+        patch.positions.iter_mut().for_each(|position| *position *= Vec3::new(1e8, 1e-6, 1e-6));
+        let options = Options { beyond, resolution: Resolution::Area(4.0), ..Options::default() };
+        let conversion = converted(&patch.upload(&picture), &options);
+        assert_eq!(conversion.finished.textures[0].levels.len(), 21);
+        assert_eq!(bleeding(&conversion.finished), None);
+        assert_continuous(&conversion).unwrap();
     }
 }
 
@@ -303,7 +321,8 @@ proptest! {
         let other = Patch { faces: order.iter().map(turned).collect(), ..patch.clone() };
         let [first, second] = [&patch, &other].map(|patch| converted(&patch.upload(&smooth(64)), &options));
         let [first, second] = [first, second].map(|conversion| samples(&conversion, EXPONENT.into()));
-        for (level, (first, second)) in first.iter().zip(&second).enumerate() {
+        // Beyond vertex colors the texels of a face lie by its place, and so do the rules that its colors have to keep.
+        for (level, (first, second)) in first.iter().zip(&second).enumerate().take(usize::from(EXPONENT) + 1) {
             let n = 1usize << usize::from(EXPONENT).saturating_sub(level);
             for (number, &(face, turn)) in order.iter().enumerate() {
                 for (i, j) in (0..=n).flat_map(|j| (0..=n - j).map(move |i| (i, j))) {

@@ -5,12 +5,14 @@
 //! of the unit square with corners (0,0), (1,0), (1,1), (0,1).
 
 mod areas;
+mod levels;
 mod numbering;
 #[cfg(test)]
 mod tests;
 mod topology;
 
-pub use areas::sample_areas;
+pub use areas::{inner_area, sample_areas, shared_areas};
+pub use levels::{LEVEL_MAX, level_count};
 pub use numbering::{FaceGrid, LevelNumbering, Tap, edge_point};
 pub use topology::{ChannelTopology, Strip};
 

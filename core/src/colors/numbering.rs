@@ -32,6 +32,8 @@ pub struct LevelNumbering<'a> {
     pub canvas: &'a CanvasMesh,
     pub topology: &'a ChannelTopology,
     pub level: usize,
+    /// Exponents at level 0.
+    finest_exponents: Vec<u8>,
     /// Exponents at this level.
     face_exponents: Vec<u8>,
     strip_exponents: Vec<u8>,
@@ -61,7 +63,16 @@ impl<'a> LevelNumbering<'a> {
             .map(|(face, &e)| take(interior_count(face.is_triangle(), 1 << e)))
             .collect();
         face_first.push(take(0));
-        Self { canvas, topology, level, face_exponents, strip_exponents, strip_first, face_first }
+        Self {
+            canvas,
+            topology,
+            level,
+            finest_exponents: resolutions.faces.clone(),
+            face_exponents,
+            strip_exponents,
+            strip_first,
+            face_first,
+        }
     }
 
     pub fn sample_count(&self) -> usize {
@@ -82,6 +93,11 @@ impl<'a> LevelNumbering<'a> {
         1 << self.strip_exponents[strip]
     }
 
+    /// How many levels ago the face came down to vertex colors, 0 at the level where it does; `None` before.
+    pub fn levels_beyond(&self, face: usize) -> Option<usize> {
+        self.level.checked_sub(usize::from(self.finest_exponents[face]))
+    }
+
     /// Samples inside the strip, low end first; its ends are fans.
     pub fn strip_range(&self, strip: usize) -> std::ops::Range<usize> {
         self.strip_first[strip] as usize..self.strip_first[strip + 1] as usize
@@ -90,6 +106,12 @@ impl<'a> LevelNumbering<'a> {
     /// Interior samples of the face: rows of constant `j`, from 1, `i` from 1.
     pub fn face_range(&self, face: usize) -> std::ops::Range<usize> {
         self.face_first[face] as usize..self.face_first[face + 1] as usize
+    }
+
+    /// The sample at `(i, j)` strictly inside the face.
+    pub fn inner_sample(&self, face: usize, i: u32, j: u32) -> usize {
+        let is_triangle = self.canvas.faces[face].is_triangle();
+        (self.face_first[face] + interior_index(is_triangle, self.segments(face), i, j)) as usize
     }
 
     /// Sample number `at` of a strip, 0 being the low fan and `strip_segments` the high one.

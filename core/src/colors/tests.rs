@@ -1,6 +1,8 @@
 use glam::{Vec3, Vec4};
 
-use super::{ChannelTopology, Cuts, FaceGrid, LevelNumbering, Resolutions, edge_point};
+use super::{
+    ChannelTopology, Cuts, FaceGrid, LEVEL_MAX, LevelNumbering, Resolutions, edge_point, level_count,
+};
 use crate::mesh::{CanvasMesh, Polygons, build};
 
 fn two_triangles_and_a_quad() -> CanvasMesh {
@@ -94,4 +96,47 @@ fn filling_a_grid_agrees_with_its_taps() {
             assert_eq!(grid.at(i, j), numbering.edge_tap(face, edge, 1).value(&values));
         }
     }
+}
+
+/// A square of `n * n` cells is one texel when `2^level` is its diagonal in cells; every face comes down to
+/// vertex colors before; lengths enter as ratios.
+#[test]
+fn levels_go_on_to_where_everything_is_one_texel() {
+    let square = |corner: Vec3| {
+        let positions = [Vec3::ZERO, corner * Vec3::X, corner, corner * Vec3::Y];
+        build([Polygons {
+            mesh: 0,
+            primitive: 0,
+            positions: &positions,
+            faces: &mut [([0, 1, 2, 3], 4)].into_iter(),
+        }])
+    };
+    let count = |corner: Vec3, exponent| level_count(&square(corner), &Resolutions { faces: vec![exponent] });
+    for exponent in 0..=12 {
+        // A diagonal of sqrt(2) 2^r cells is under one texel from level r + 1 on.
+        assert_eq!(count(Vec3::ONE, exponent), usize::from(exponent) + 2);
+        assert_eq!(count(Vec3::splat(1e-6), exponent), usize::from(exponent) + 2);
+    }
+    assert_eq!(count(Vec3::new(4096.0, 1.0, 0.0), 0), 6 + 2, "64 cells of a mean size in a row");
+    assert_eq!(count(Vec3::new(1e18, 1e-6, 0.0), 3), LEVEL_MAX + 1);
+    assert_eq!(count(Vec3::X, 3), 4, "no area: down to vertex colors");
+    assert_eq!(level_count(&CanvasMesh::default(), &Resolutions { faces: vec![] }), 1);
+}
+
+/// Meshes have spaces of their own: that one lies far from another makes neither larger.
+#[test]
+fn each_mesh_is_measured_by_itself() {
+    let triangle = |at: f32| [0.0, 1.0, 2.0].map(|k| Vec3::new(at + k % 2.0, (k / 2.0).floor(), 0.0));
+    let [near, far] = [triangle(0.0), triangle(1e4)];
+    let polygons = |meshes: [u32; 2]| {
+        let mut faces = [[([0, 1, 2, 0], 3)].into_iter(), [([0, 1, 2, 0], 3)].into_iter()];
+        let [first, second] = &mut faces;
+        build([
+            Polygons { mesh: meshes[0], primitive: 0, positions: &near, faces: first },
+            Polygons { mesh: meshes[1], primitive: 1, positions: &far, faces: second },
+        ])
+    };
+    let count = |meshes| level_count(&polygons(meshes), &Resolutions { faces: vec![2, 2] });
+    assert_eq!(count([0, 1]), 4);
+    assert_eq!(count([0, 0]), 17);
 }

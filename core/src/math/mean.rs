@@ -9,26 +9,29 @@ pub const TRANSPARENT_WEIGHT: f32 = 1e-5;
 /// transparent has no vote; the result is straight (not premultiplied).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WeightedMean {
-    color: glam::Vec3,
+    /// Color by `color_weight`, alpha by `weight`.
+    sum: Vec4,
     color_weight: f32,
-    alpha: f32,
     weight: f32,
 }
 
 impl WeightedMean {
     pub fn add(&mut self, value: Vec4, weight: f32, by_alpha: bool) {
-        let color_weight = if by_alpha { weight * (value.w + TRANSPARENT_WEIGHT) } else { weight };
-        self.color += value.xyz() * color_weight;
-        self.color_weight += color_weight;
-        self.alpha += value.w * weight;
+        if by_alpha {
+            let color_weight = weight * (value.w + TRANSPARENT_WEIGHT);
+            self.sum += value * Vec4::splat(color_weight).with_w(weight);
+            self.color_weight += color_weight;
+        } else {
+            self.sum += value * weight;
+            self.color_weight += weight;
+        }
         self.weight += weight;
     }
 
     /// Adds another mean's samples with their weights times `factor`.
     pub fn merge(&mut self, other: &Self, factor: f32) {
-        self.color += other.color * factor;
+        self.sum += other.sum * factor;
         self.color_weight += other.color_weight * factor;
-        self.alpha += other.alpha * factor;
         self.weight += other.weight * factor;
     }
 
@@ -39,7 +42,7 @@ impl WeightedMean {
     /// The mean, or zero where nothing was added.
     pub fn mean(&self) -> Vec4 {
         if self.weight > 0.0 && self.color_weight > 0.0 {
-            (self.color / self.color_weight).extend(self.alpha / self.weight)
+            (self.sum.xyz() / self.color_weight).extend(self.sum.w / self.weight)
         } else {
             Vec4::ZERO
         }

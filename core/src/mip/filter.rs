@@ -1,196 +1,236 @@
-//! One level from the level before it.
+//! One level from the level before it by hat functions: vertices and edges. What is inside faces is in
+//! [`super::interior`].
+
+#[cfg(test)]
+mod tests;
 
 use glam::Vec4;
 use rayon::prelude::*;
 
-use crate::colors::{FaceGrid, LevelNumbering};
-use crate::error::Result;
+use crate::colors::{LevelNumbering, inner_area, shared_areas};
 use crate::math::mean::WeightedMean;
-use crate::watch::{self, Watch};
 
-/// Computes the samples of `coarse` from those of `fine`, the level before it.
-///
-/// With `by_alpha` colors are weighted by alpha. Normals are averaged as vectors: they shorten where
-/// they differ, which is what the next level has to weigh them by; whoever stores them normalizes.
-pub fn coarsen(
-    fine: &LevelNumbering<'_>,
-    coarse: &LevelNumbering<'_>,
-    values: &[Vec4],
-    by_alpha: bool,
-    watch: &dyn Watch,
-) -> Result<Vec<Vec4>> {
-    watch::check(watch)?;
-    let filter = Filter { fine, coarse, values, by_alpha };
-    let topology = coarse.topology;
-    let mut out = Vec::with_capacity(coarse.sample_count());
-    let fans = (0..topology.fan_count()).into_par_iter().map(|fan| filter.fan(fan));
-    out.par_extend(fans);
-    let strips = (0..topology.strips.len()).into_par_iter().map(|strip| filter.strip(strip));
-    out.extend(strips.collect::<Vec<_>>().into_iter().flatten());
-    watch::check(watch)?;
-    let faces = (0..coarse.canvas.faces.len())
-        .into_par_iter()
-        .map_init(FaceGrid::default, |grid, face| filter.interior(face, grid));
-    out.extend(faces.collect::<Vec<_>>().into_iter().flatten());
-    Ok(out)
+use super::hats::{StripSide, beside, edge_grid_point, edge_taps, inner_neighbor};
+use super::interior::Borders;
+use super::{Beyond, MipFilter, Rungs};
+
+/// A sample counts for at least this share of the mean one: among faces of no area all count the same.
+const AREA_FLOOR: f64 = 1e-6;
+
+pub(super) struct Filter<'a> {
+    pub fine: &'a LevelNumbering<'a>,
+    pub coarse: &'a LevelNumbering<'a>,
+    pub values: &'a [Vec4],
+    pub rungs: Rungs,
+    areas: Option<Areas>,
 }
 
-struct Filter<'a> {
-    fine: &'a LevelNumbering<'a>,
-    coarse: &'a LevelNumbering<'a>,
-    values: &'a [Vec4],
-    by_alpha: bool,
+/// What samples of the fine level weigh by area, 1 in the mean over all.
+struct Areas {
+    shared: Vec<f32>,
+    /// By face: each sample inside it.
+    inner: Vec<f32>,
 }
 
-impl Filter<'_> {
-    fn add(&self, mean: &mut WeightedMean, value: Vec4, weight: f32) {
-        mean.add(value, weight, self.by_alpha);
+impl Areas {
+    fn new(numbering: &LevelNumbering<'_>) -> Self {
+        let total: f64 = numbering.canvas.faces.iter().map(|face| f64::from(face.area)).sum();
+        let mean = total / numbering.sample_count().max(1) as f64;
+        // A mesh without any area still has a mean to divide by.
+        let mean = if mean > 0.0 { mean } else { 1.0 };
+        let weight = |area: f32| (f64::from(area) / mean).max(AREA_FLOOR) as f32;
+        let faces = 0..numbering.canvas.faces.len();
+        Self {
+            shared: shared_areas(numbering).into_iter().map(weight).collect(),
+            inner: faces.map(|face| weight(inner_area(numbering, face))).collect(),
+        }
+    }
+}
+
+impl<'a> Filter<'a> {
+    pub fn new(
+        fine: &'a LevelNumbering<'a>,
+        coarse: &'a LevelNumbering<'a>,
+        values: &'a [Vec4],
+        rungs: Rungs,
+    ) -> Self {
+        let areas = (rungs.filter == MipFilter::Area).then(|| Areas::new(fine));
+        Self { fine, coarse, values, rungs, areas }
     }
 
-    fn tap(&self, face: usize, i: u32, j: u32) -> Vec4 {
-        self.fine.tap(face, i, j).value(self.values)
+    pub fn fans(&self, out: &mut [Vec4]) {
+        out.par_iter_mut().with_min_len(256).enumerate().for_each(|(fan, out)| *out = self.fan(fan));
     }
 
-    /// A vertex: itself, and in each face around it the neighbors at that face's own spacing: half of each
-    /// edge neighbor, shared among the faces at the edge, and a quarter of a quad's inner one.
+    /// `out` begins with the first strip's samples.
+    pub fn strips(&self, mut out: &mut [Vec4], borders: &Borders) {
+        let mut parts = Vec::new();
+        for strip in 0..self.coarse.topology.strips.len() {
+            let count = self.coarse.strip_range(strip).len();
+            let (part, rest) = out.split_at_mut(count);
+            out = rest;
+            if count > 0 {
+                parts.push((strip, part));
+            }
+        }
+        let parts = parts.into_par_iter().with_min_len(64);
+        parts.for_each(|(strip, part)| self.strip(strip, part, borders));
+    }
+
+    fn add(&self, mean: &mut WeightedMean, sample: usize, weight: f32) {
+        mean.add(self.values[sample], weight, self.rungs.by_alpha);
+    }
+
+    /// Adds a sample on a vertex or an edge.
+    fn add_shared(&self, mean: &mut WeightedMean, sample: u32, weight: f32) {
+        let area = self.areas.as_ref().map_or(1.0, |areas| areas.shared[sample as usize]);
+        self.add(mean, sample as usize, weight * area);
+    }
+
     fn fan(&self, fan: usize) -> Vec4 {
         let mut mean = WeightedMean::default();
-        self.add(&mut mean, self.values[fan], 1.0);
-        let topology = self.fine.topology;
-        for &(face, corner) in topology.corners(fan) {
+        self.add_shared(&mut mean, fan as u32, 1.0);
+        let before = mean;
+        for &(face, corner) in self.fine.topology.corners(fan) {
             let (face, corner) = (face as usize, usize::from(corner));
-            let count = self.fine.canvas.faces[face].count();
-            let segments = self.fine.segments(face);
-            let before = (corner + count - 1) % count;
-            for (edge, along) in [(corner, 1), (before, segments - 1)] {
-                let strip = topology.strips[topology.strip_of[face][edge] as usize];
-                let share = 0.5 / topology.sides(&strip).len() as f32;
-                self.add(&mut mean, self.fine.edge_tap(face, edge, along).value(self.values), share);
-            }
-            if count == 4 {
-                let (i, j) = inner_neighbor(corner, segments);
-                self.add(&mut mean, self.tap(face, i, j), 0.25);
+            if self.fine.segments(face) == 1 {
+                if self.rungs.beyond == Beyond::OneRing {
+                    self.add_ring(&mut mean, face, corner);
+                }
+            } else if let Some(areas) = &self.areas {
+                self.add_corner_by_area(&mut mean, (face, corner), areas.inner[face]);
+            } else {
+                self.add_corner(&mut mean, face, corner);
             }
         }
-        mean.mean()
+        // A lone sample is kept to the last bit.
+        if mean == before { self.values[fan] } else { mean.mean() }
     }
 
-    /// The samples along an edge: the 1-2-1 row on the edge, and from each face the rows that the hat of the
-    /// edge's own spacing covers, every face with a total weight of 1 however fine it is.
-    fn strip(&self, strip: usize) -> Vec<Vec4> {
-        let count = self.coarse.strip_range(strip).len() as u32;
-        (1..=count).map(|at| self.strip_sample(strip, 2 * at)).collect()
-    }
-
-    /// `at` counts fine segments of the strip from its low end.
-    fn strip_sample(&self, strip: usize, at: u32) -> Vec4 {
-        let mut mean = WeightedMean::default();
-        for (neighbor, weight) in [(at - 1, 0.5), (at, 1.0), (at + 1, 0.5)] {
-            let sample = self.fine.strip_sample(strip, neighbor);
-            self.add(&mut mean, self.values[sample as usize], weight);
-        }
+    /// The corners of a face at vertex colors (MC equation 6): half of each edge neighbor, shared among the
+    /// faces at the edge, and a quarter of a quad's opposite corner.
+    fn add_ring(&self, mean: &mut WeightedMean, face: usize, corner: usize) {
         let topology = self.fine.topology;
-        for side in topology.sides(&topology.strips[strip]) {
-            let (face, edge) = (side.face as usize, usize::from(side.edge));
-            let segments = self.fine.segments(face);
-            let step = segments / self.fine.strip_segments(strip);
-            let reversed = self.fine.canvas.faces[face].is_reversed(edge);
-            let along = if reversed { segments - at * step } else { at * step };
-            let rows = self.face_rows(face, edge, along, step);
-            mean.merge(&rows, 1.0 / rows.weight());
+        let count = self.fine.canvas.faces[face].count();
+        let before = (corner + count - 1) % count;
+        for (edge, neighbor) in [(corner, (corner + 1) % count), (before, before)] {
+            let strip = &topology.strips[topology.strip_of[face][edge] as usize];
+            let share = 0.5 / topology.sides(strip).len() as f32;
+            self.add_shared(mean, topology.fan_of[face][neighbor], share);
         }
-        mean.mean()
+        if count == 4 {
+            self.add_shared(mean, topology.fan_of[face][(corner + 2) % 4], 0.25);
+        }
     }
 
-    /// The face's inner samples under a hat of `2 * step` segments' reach centered on its edge; `step` is 1
-    /// where the face is as fine as the edge (two samples of weight 1/2 on a triangle, three on a quad).
-    fn face_rows(&self, face: usize, edge: usize, along: u32, step: u32) -> WeightedMean {
-        let mut mean = WeightedMean::default();
-        let is_triangle = self.fine.canvas.faces[face].is_triangle();
-        let n = self.fine.segments(face) as i32;
-        let (along, step) = (along as i32, step as i32);
-        let reach = 2 * step;
-        let scale = 1.0 / reach as f32;
-        for depth in 1..reach {
-            for offset in -reach + 1..reach {
-                let weight = if is_triangle {
-                    // Barycentric differences to the center: offset + depth, -offset, -depth in some order.
-                    1.0 - offset.abs().max(depth).max((offset + depth).abs()) as f32 * scale
-                } else {
-                    (1.0 - offset.abs() as f32 * scale) * (1.0 - depth as f32 * scale)
-                };
-                let x = along + offset;
-                let inside = x >= 0 && x <= n - if is_triangle { depth } else { 0 };
-                if weight > 0.0 && inside {
-                    let (i, j) = grid_point(is_triangle, n, edge, x, depth);
-                    self.add(&mut mean, self.tap(face, i, j), weight);
+    /// The same at the face's own spacing.
+    fn add_corner(&self, mean: &mut WeightedMean, face: usize, corner: usize) {
+        let topology = self.fine.topology;
+        let count = self.fine.canvas.faces[face].count();
+        let segments = self.fine.segments(face);
+        let before = (corner + count - 1) % count;
+        for (edge, along) in [(corner, 1), (before, segments - 1)] {
+            let strip = &topology.strips[topology.strip_of[face][edge] as usize];
+            let share = 0.5 / topology.sides(strip).len() as f32;
+            let neighbor = self.fine.edge_tap(face, edge, along).value(self.values);
+            mean.add(neighbor, share, self.rungs.by_alpha);
+        }
+        if count == 4 {
+            let (i, j) = inner_neighbor(corner, segments);
+            self.add(mean, self.fine.inner_sample(face, i, j), 0.25);
+        }
+    }
+
+    /// The fine samples under the coarse basis function of a vertex in one face, by their area. Along an edge
+    /// that is coarser than the face the function falls at the edge's spacing, inwards at the face's own.
+    fn add_corner_by_area(&self, mean: &mut WeightedMean, (face, corner): (usize, usize), inner_area: f32) {
+        let topology = self.fine.topology;
+        let canvas_face = &self.fine.canvas.faces[face];
+        let count = canvas_face.count();
+        let n = self.fine.segments(face);
+        let before = (corner + count - 1) % count;
+        for (edge, starts_here) in [(corner, true), (before, false)] {
+            let strip = topology.strip_of[face][edge] as usize;
+            let strip_segments = self.fine.strip_segments(strip);
+            let reach = if strip_segments > 1 { 2 * (n / strip_segments) } else { n };
+            if strip_segments > 1 {
+                let is_low = starts_here != canvas_face.is_reversed(edge);
+                let next = if is_low { 1 } else { strip_segments - 1 };
+                let share = 0.5 / topology.sides(&topology.strips[strip]).len() as f32;
+                self.add_shared(mean, self.fine.strip_sample(strip, next), share);
+            }
+            for x in (2..reach).step_by(2) {
+                let weight = inner_area * (1.0 - x as f32 / reach as f32);
+                let x = if starts_here { x } else { n - x };
+                for &(offset, share) in beside(canvas_face.is_triangle()) {
+                    let (i, j) = edge_grid_point(
+                        canvas_face.is_triangle(),
+                        n,
+                        edge,
+                        (x.saturating_add_signed(offset), 1),
+                    );
+                    self.add(mean, self.fine.inner_sample(face, i, j), weight * share);
                 }
             }
         }
-        mean
+        if count == 4 {
+            let (i, j) = inner_neighbor(corner, n);
+            self.add(mean, self.fine.inner_sample(face, i, j), 0.25 * inner_area);
+        }
     }
 
-    /// The samples inside a face, by MC equation 5 or the 1-2-1 product.
-    fn interior(&self, face: usize, grid: &mut FaceGrid) -> Vec<Vec4> {
-        let range = self.coarse.face_range(face);
-        if range.is_empty() {
-            return Vec::new();
-        }
-        self.fine.fill(face, self.values, grid);
-        let stencil: &[(i32, i32, f32)] = if grid.is_triangle { &TRIANGLE_STENCIL } else { &QUAD_STENCIL };
-        let n = self.coarse.segments(face);
-        let mut out = Vec::with_capacity(range.len());
-        for j in 1..n {
-            let end = if grid.is_triangle { n - j } else { n };
-            for i in 1..end {
-                let mut mean = WeightedMean::default();
-                for &(x, y, weight) in stencil {
-                    let value = grid.at((2 * i as i32 + x) as u32, (2 * j as i32 + y) as u32);
-                    self.add(&mut mean, value, weight);
-                }
-                out.push(mean.mean());
+    /// The samples along an edge: the 1-2-1 row on the edge, and what the hat covers in each face. By area
+    /// each counts for its own; else every face has a total weight of 1 however fine it is.
+    fn strip(&self, strip: usize, out: &mut [Vec4], borders: &Borders) {
+        let topology = self.fine.topology;
+        let sides: Vec<(StripSide, Option<&[Vec4]>)> = (topology.sides(&topology.strips[strip]).iter())
+            .map(|side| {
+                let side = self.strip_side(strip, side.face as usize, usize::from(side.edge));
+                let known = borders.of_edge(side.face, side.edge, side.segments / 2);
+                let known = known.filter(|_| side.step == 1);
+                (side, known)
+            })
+            .collect();
+        let first = self.fine.strip_range(strip).start as u32;
+        for (at, out) in (2u32..).step_by(2).zip(out) {
+            let mut mean = WeightedMean::default();
+            // All three lie inside the strip: the coarse sample is not at its end.
+            for (sample, weight) in [(at - 1, 0.5), (at, 1.0), (at + 1, 0.5)] {
+                self.add_shared(&mut mean, first + sample - 1, weight);
             }
+            for (side, known) in &sides {
+                let along = if side.is_reversed { side.segments - at * side.step } else { at * side.step };
+                match known {
+                    Some(sums) => mean.add(sums[along as usize / 2 - 1], side.weight, false),
+                    None => self.add_side(&mut mean, side, along),
+                }
+            }
+            *out = mean.mean();
         }
-        out
     }
-}
 
-/// MC equation 5.
-const TRIANGLE_STENCIL: [(i32, i32, f32); 7] =
-    [(0, 0, 1.0), (-1, 0, 0.5), (1, 0, 0.5), (0, -1, 0.5), (0, 1, 0.5), (1, -1, 0.5), (-1, 1, 0.5)];
-
-const QUAD_STENCIL: [(i32, i32, f32); 9] = [
-    (0, 0, 1.0),
-    (-1, 0, 0.5),
-    (1, 0, 0.5),
-    (0, -1, 0.5),
-    (0, 1, 0.5),
-    (-1, -1, 0.25),
-    (1, -1, 0.25),
-    (-1, 1, 0.25),
-    (1, 1, 0.25),
-];
-
-/// The grid point diagonally next to a quad's corner.
-fn inner_neighbor(corner: usize, n: u32) -> (u32, u32) {
-    match corner {
-        0 => (1, 1),
-        1 => (n - 1, 1),
-        2 => (n - 1, n - 1),
-        _ => (1, n - 1),
+    /// Adds what a face has under the hat of the sample at `along` on its edge.
+    fn add_side(&self, mean: &mut WeightedMean, side: &StripSide, along: u32) {
+        for tap in side.taps.iter() {
+            let place = (along.saturating_add_signed(tap.offset), tap.depth);
+            let (i, j) = edge_grid_point(side.is_triangle, side.segments, side.edge, place);
+            self.add(mean, self.fine.inner_sample(side.face, i, j), tap.weight * side.weight);
+        }
     }
-}
 
-/// The grid point `x` along an edge from its first corner and `depth` inside. On a triangle a row inside is
-/// shorter: `x` counts along it from where it leaves the edge before.
-fn grid_point(is_triangle: bool, n: i32, edge: usize, x: i32, depth: i32) -> (u32, u32) {
-    let (i, j) = match (is_triangle, edge) {
-        (_, 0) => (x, depth),
-        (true, 1) => (n - x - depth, x),
-        (true, _) => (depth, n - x - depth),
-        (false, 1) => (n - depth, x),
-        (false, 2) => (n - x, n - depth),
-        (false, _) => (depth, n - x),
-    };
-    (i as u32, j as u32)
+    fn strip_side(&self, strip: usize, face: usize, edge: usize) -> StripSide {
+        let canvas_face = &self.fine.canvas.faces[face];
+        let segments = self.fine.segments(face);
+        let step = segments / self.fine.strip_segments(strip);
+        StripSide {
+            face,
+            edge,
+            segments,
+            step,
+            is_triangle: canvas_face.is_triangle(),
+            is_reversed: canvas_face.is_reversed(edge),
+            taps: edge_taps(canvas_face.is_triangle(), step, self.rungs.filter),
+            weight: self.areas.as_ref().map_or(1.0, |areas| areas.inner[face]),
+        }
+    }
 }

@@ -6,12 +6,23 @@
 //! sides have samples of their own.
 
 mod coverage;
+mod exchange;
 mod filter;
+mod hats;
+mod heat;
+mod interior;
 #[cfg(test)]
 mod tests;
 
 pub use coverage::{coverage, keep_coverage};
-pub use filter::coarsen;
+
+use glam::Vec4;
+
+use crate::colors::LevelNumbering;
+use crate::error::Result;
+use crate::watch::{self, Watch};
+
+use filter::Filter;
 
 /// What a coarse sample weighs the fine ones around it by, beside its hat function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,4 +40,43 @@ pub enum Beyond {
     OneRing,
     /// Implicit heat flow over the surface.
     Heat,
+}
+
+/// How one channel is filtered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rungs {
+    pub filter: MipFilter,
+    pub beyond: Beyond,
+    /// Whether colors are weighted by alpha.
+    pub by_alpha: bool,
+}
+
+/// Computes the samples of `coarse` from those of `fine`, the level before it.
+///
+/// Normals are averaged as vectors: they shorten where they differ, which is what the next level has to
+/// weigh them by; whoever stores them normalizes.
+///
+/// # Errors
+/// `Canceled`; `Internal` where the heat flow's system cannot be factored.
+pub fn coarsen(
+    fine: &LevelNumbering<'_>,
+    coarse: &LevelNumbering<'_>,
+    values: &[Vec4],
+    rungs: Rungs,
+    watch: &dyn Watch,
+) -> Result<Vec<Vec4>> {
+    watch::check(watch)?;
+    let filter = Filter::new(fine, coarse, values, rungs);
+    let mut out = vec![Vec4::ZERO; coarse.sample_count()];
+    let (shared, inner) = out.split_at_mut(coarse.shared_count());
+    let (fans, strips) = shared.split_at_mut(coarse.topology.fan_count());
+    let borders = interior::interiors(&filter, inner);
+    watch::check(watch)?;
+    filter.fans(fans);
+    filter.strips(strips, &borders);
+    if rungs.beyond == Beyond::Heat {
+        watch::check(watch)?;
+        heat::flow(fine, coarse, fans, rungs.by_alpha)?;
+    }
+    Ok(out)
 }

@@ -1,11 +1,15 @@
 use glam::{Vec3, Vec4};
 
-use super::{coarsen, coverage, keep_coverage};
+use super::{Beyond, MipFilter, Rungs, coarsen, coverage, keep_coverage};
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions};
 use crate::mesh::{CanvasMesh, Polygons, build};
 use crate::watch::Unwatched;
 
-fn canvas(positions: &[Vec3], faces: &[&[u32]]) -> CanvasMesh {
+pub(super) const PLAIN: Rungs =
+    Rungs { filter: MipFilter::Uniform, beyond: Beyond::OneRing, by_alpha: false };
+pub(super) const BY_ALPHA: Rungs = Rungs { by_alpha: true, ..PLAIN };
+
+pub(super) fn canvas(positions: &[Vec3], faces: &[&[u32]]) -> CanvasMesh {
     let mut iterator = faces.iter().map(|face| {
         let mut corners = [0; 4];
         corners[..face.len()].copy_from_slice(face);
@@ -15,7 +19,7 @@ fn canvas(positions: &[Vec3], faces: &[&[u32]]) -> CanvasMesh {
 }
 
 /// A closed fan of `valence` triangles around vertex 0.
-fn fan(valence: u32) -> CanvasMesh {
+pub(super) fn fan(valence: u32) -> CanvasMesh {
     let rim = (0..valence).map(|k| {
         let angle = k as f32 / valence as f32 * std::f32::consts::TAU;
         Vec3::new(angle.cos(), angle.sin(), 0.0)
@@ -32,17 +36,110 @@ fn one_level(canvas: &CanvasMesh, exponents: &[u8], cuts: &Cuts, value: impl Fn(
     let fine = LevelNumbering::new(canvas, &topology, &resolutions, 0);
     let coarse = LevelNumbering::new(canvas, &topology, &resolutions, 1);
     let values: Vec<Vec4> = (0..fine.sample_count()).map(|sample| Vec4::splat(value(sample))).collect();
-    let out = coarsen(&fine, &coarse, &values, false, &Unwatched).unwrap();
+    let out = coarsen(&fine, &coarse, &values, PLAIN, &Unwatched).unwrap();
     assert_eq!(out.len(), coarse.sample_count());
     out.into_iter().map(|v| v.x).collect()
+}
+
+/// Every rung there is.
+pub(super) const RUNGS: [Rungs; 4] = [
+    PLAIN,
+    Rungs { filter: MipFilter::Area, ..PLAIN },
+    Rungs { beyond: Beyond::Heat, ..PLAIN },
+    Rungs { filter: MipFilter::Area, beyond: Beyond::Heat, ..PLAIN },
+];
+
+/// A mesh with the samples of its levels.
+pub(super) struct Case {
+    pub canvas: CanvasMesh,
+    pub resolutions: Resolutions,
+    pub cuts: Cuts,
+}
+
+impl Case {
+    pub fn new(canvas: CanvasMesh, exponents: Vec<u8>) -> Self {
+        let cuts = Cuts::none(&canvas);
+        Self { canvas, resolutions: Resolutions { faces: exponents }, cuts }
+    }
+
+    pub fn topology(&self) -> ChannelTopology {
+        ChannelTopology::new(&self.canvas, &self.resolutions, &self.cuts)
+    }
+
+    pub fn sample_count(&self) -> usize {
+        self.level(&self.topology(), 0).sample_count()
+    }
+
+    pub fn level<'a>(&'a self, topology: &'a ChannelTopology, level: usize) -> LevelNumbering<'a> {
+        LevelNumbering::new(&self.canvas, topology, &self.resolutions, level)
+    }
+
+    /// The samples of levels 0 to `last`.
+    pub fn levels(&self, samples: &[Vec4], rungs: Rungs, last: usize) -> Vec<Vec<Vec4>> {
+        let topology = self.topology();
+        let mut levels = vec![samples.to_vec()];
+        for level in 1..=last {
+            let (fine, coarse) = (self.level(&topology, level - 1), self.level(&topology, level));
+            levels.push(coarsen(&fine, &coarse, &levels[level - 1], rungs, &Unwatched).unwrap());
+        }
+        levels
+    }
+}
+
+/// A small generator of our own: the same cases everywhere.
+pub(super) struct Random(pub u64);
+
+impl Random {
+    pub fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    pub fn below(&mut self, end: usize) -> usize {
+        (self.next() * end as f32) as usize % end
+    }
+
+    pub fn colors(&mut self, count: usize) -> Vec<Vec4> {
+        (0..count).map(|_| Vec4::new(self.next(), self.next(), self.next(), self.next())).collect()
+    }
+}
+
+/// A sheet of `side * side` cells of quads and triangles, corners moved by up to `bend`; exponents below
+/// `exponent_end`.
+pub(super) fn sheet(random: &mut Random, side: usize, bend: f32, exponent_end: usize) -> Case {
+    let mut positions = Vec::new();
+    for y in 0..=side {
+        for x in 0..=side {
+            let mut moved = |v: f32| v + (random.next() - 0.5) * 2.0 * bend;
+            positions.push(Vec3::new(moved(x as f32), moved(y as f32), moved(0.0)));
+        }
+    }
+    let mut faces: Vec<Vec<u32>> = Vec::new();
+    for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
+        let [a, b, c, d] =
+            [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)].map(|(x, y)| (y * (side + 1) + x) as u32);
+        match random.below(4) {
+            0 => faces.push(vec![a, b, c, d]),
+            1 => faces.extend([vec![a, b, d], vec![c, d, b]]),
+            _ => faces.extend([vec![a, b, c], vec![d, a, c]]),
+        }
+    }
+    let exponents = faces.iter().map(|_| random.below(exponent_end) as u8).collect();
+    Case::new(canvas(&positions, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>()), exponents)
 }
 
 #[test]
 fn a_constant_stays_what_it_is_on_any_mix_of_exponents() {
     let mesh = fan(5);
     for exponents in [[0, 0, 0, 0, 0], [3, 3, 3, 3, 3], [0, 3, 1, 2, 4]] {
-        let out = one_level(&mesh, &exponents, &Cuts::none(&mesh), |_| 0.7);
-        assert!(out.iter().all(|v| (v - 0.7).abs() < 1e-6), "{exponents:?}: {out:?}");
+        for (rungs, by_alpha) in RUNGS.into_iter().flat_map(|rungs| [(rungs, false), (rungs, true)]) {
+            let case = Case::new(mesh.clone(), exponents.to_vec());
+            let rungs = Rungs { by_alpha, ..rungs };
+            for level in case.levels(&vec![Vec4::splat(0.7); case.sample_count()], rungs, 20) {
+                let error = level.iter().map(|v| (*v - 0.7).abs().max_element()).fold(0.0, f32::max);
+                assert!(error < 3e-6, "{exponents:?}, {rungs:?}: {error}");
+            }
+        }
     }
 }
 
@@ -120,11 +217,11 @@ fn what_is_transparent_has_no_vote_in_color() {
     let clear_green = Vec4::new(0.0, 1.0, 0.0, 0.0);
     let mut values = vec![clear_green; 5];
     values[0] = Vec4::new(1.0, 0.0, 0.0, 1.0);
-    let out = coarsen(&fine, &coarse, &values, true, &Unwatched).unwrap();
+    let out = coarsen(&fine, &coarse, &values, BY_ALPHA, &Unwatched).unwrap();
     assert!(out[0].x > 0.99 && out[0].y < 0.01, "{:?}", out[0]);
     assert!((out[0].w - 1.0 / 3.0).abs() < 1e-6);
     values[0] = clear_green;
-    let out = coarsen(&fine, &coarse, &values, true, &Unwatched).unwrap();
+    let out = coarsen(&fine, &coarse, &values, BY_ALPHA, &Unwatched).unwrap();
     assert!((out[0] - clear_green).abs().max_element() < 1e-6, "hidden color is kept where nothing shows");
 }
 

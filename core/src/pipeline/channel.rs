@@ -11,7 +11,7 @@ use crate::image::{Image, Pixels, Transfer};
 use crate::layout::Layout;
 use crate::math::transfer::linear_to_srgb;
 use crate::measure::SolverReport;
-use crate::mip::{coarsen, coverage, keep_coverage};
+use crate::mip::{Beyond, MipFilter, Rungs, coarsen, coverage, keep_coverage};
 use crate::resample::{Fit, Samples};
 use crate::solve::{Problem, Solution, Solver, solve, violated_count};
 use crate::source::SourceChannel;
@@ -29,6 +29,8 @@ pub struct ChannelInput<'a> {
     pub frames: Option<&'a NormalFrames>,
     /// Of a masked material: keep the share of surface above this.
     pub mask_cutoff: Option<f32>,
+    pub mip: MipFilter,
+    pub beyond: Beyond,
     pub solver: Solver,
 }
 
@@ -68,12 +70,13 @@ pub fn finish_channel(
     };
     let (canvas, topology) = (numbering.canvas, numbering.topology);
     let mut values = samples.values;
+    let rungs = Rungs { filter: input.mip, beyond: input.beyond, by_alpha };
     let mut wanted_coverage = 0.0;
     for level in 0..input.layout.level_count() {
         watch.stage(Stage::Mip);
         if level > 0 {
             let coarse = LevelNumbering::new(canvas, topology, input.resolutions, level);
-            values = coarsen(&numbering, &coarse, &values, by_alpha, watch)?;
+            values = coarsen(&numbering, &coarse, &values, rungs, watch)?;
             numbering = coarse;
         }
         let mut wanted = if input.channel.is_normal() { normalized(&values) } else { values.clone() };

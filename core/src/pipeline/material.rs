@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::asset::{AlphaMode, Asset};
 use crate::assign::{NormalFrames, choose_frames};
-use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions};
+use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions, level_count};
 use crate::error::Result;
 use crate::layout::{BlockKind, Layout, LayoutRequest, arrange};
 use crate::mesh::{CanvasEdge, CanvasFace, CanvasMesh, Polygons, Side, build};
@@ -61,7 +61,7 @@ pub fn convert_material(
         resolutions: &resolutions,
         mergeable: &mergeable(&canvas, &cuts, normals.as_deref()),
         diagonals: &diagonals(&canvas, &cuts),
-        level_count: usize::from(resolutions.max()) + 1,
+        level_count: level_count(&canvas, &resolutions),
         side_limit: limits.texture_side,
     };
     let layout = arrange(&request)?;
@@ -79,6 +79,8 @@ pub fn convert_material(
             cuts,
             frames: frames.as_ref().filter(|_| source.channel.is_normal()),
             mask_cutoff: mask_cutoff(asset, source.channel),
+            mip: options.mip,
+            beyond: options.beyond,
             solver: options.solver,
         };
         finished.push(finish_channel(input, numbering, samples, watch)?);

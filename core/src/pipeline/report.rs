@@ -174,8 +174,8 @@ fn effects(materials: &[MaterialConversion], options: &Options) -> Vec<Effect> {
     let beyond: usize = materials
         .iter()
         .map(|conversion| {
-            let max = conversion.resolutions.max();
-            conversion.resolutions.faces.iter().filter(|&&exponent| exponent < max).count()
+            let last = conversion.layout.level_count() - 1;
+            conversion.resolutions.faces.iter().filter(|&&exponent| usize::from(exponent) < last).count()
         })
         .sum();
     let normals = materials.iter().filter(|conversion| conversion.frames.is_some()).count();
