@@ -79,7 +79,7 @@ proptest! {
         prop_assert!(solution.values.iter().all(|v| v.is_finite()));
         // Weights reach m²: rounding leaves the gradient less exact than on a few levels, and 1e-4 moves a
         // sample by a fortieth of a code. Beyond that the report warns.
-        prop_assert!(solution.complementarity < 1e-9 && solution.dual_residual < 1e-4, "{solution:?}");
+        prop_assert!(solution.complementarity < 1e-8 && solution.dual_residual < 1e-4, "{solution:?}");
         let cost = |values: &[f64]| values.iter().zip(&wanted).map(|(v, c)| (v - c).powi(2)).sum::<f64>();
         // Towards the middle every point is feasible; sideways only some are.
         let other: Vec<f64> = solution.values.iter().zip(&nudge).map(|(v, n)| v + 0.02 * (0.5 - v) + 1e-4 * n).collect();
@@ -191,7 +191,7 @@ fn local_shares_out_what_a_border_texel_lacks() {
     for (value, expected) in local.shared.iter().zip([1.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0]) {
         assert!((value - expected).abs() < 1e-12, "{:?}", local.shared);
     }
-    assert_eq!(local.solution.residual, 0.0);
+    assert!(local.solution.residual <= TOLERANCE);
 }
 
 /// MCT 3.4: each face fits on its own, with the least change for the texels that it took in, and faces
@@ -212,7 +212,7 @@ fn local_solves_each_face_by_itself() {
             versions[variable as usize].push(value);
         }
         for row in rules.group(change.group) {
-            assert!(problem.violation(row, &values) <= local.solution.residual);
+            assert!(problem.violation(row, &values) <= local.solution.residual + 1e-12);
         }
     }
     assert!(versions.iter().any(|all| all.len() == 2 && all[0] != all[1]), "{versions:?}");
