@@ -14,7 +14,7 @@ mod tests;
 pub use codec::Codec;
 pub use frames::{NormalFrames, choose_frames};
 pub use paint::paint;
-pub use rules::{Rules, rules};
+pub use rules::{Links, Rules, rules};
 
 use glam::{DVec3, DVec4, Vec4};
 
@@ -87,12 +87,20 @@ pub struct LevelValues {
     /// The vertex samples once more in 64 bits: beyond vertex colors texels weigh them by up to
     /// `4^(level - r)`.
     pub fans: Vec<DVec4>,
+    /// By face and corner, the versions that faces beyond vertex colors store of their own; empty where all
+    /// share `fans`.
+    pub corners: Vec<[DVec4; 4]>,
 }
 
 impl LevelValues {
     pub fn new(samples: Vec<Vec4>, fan_count: usize) -> Self {
         let fans = samples[..fan_count].iter().map(|value| value.as_dvec4()).collect();
-        Self { samples, fans }
+        Self { samples, fans, corners: Vec::new() }
+    }
+
+    /// What a face beyond vertex colors stores at one of its corners, whose shared sample is `fan`.
+    pub fn corner(&self, face: usize, corner: usize, fan: usize) -> DVec4 {
+        self.corners.get(face).map_or(self.fans[fan], |corners| corners[corner])
     }
 
     /// Sets one component of one sample.

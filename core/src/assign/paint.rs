@@ -220,7 +220,8 @@ impl Painter<'_> {
                 let [x, y] = self.channel.layout.placements[face].corners[corner].map(usize::from);
                 let sample = numbering.topology.fan_of[face][corner] as usize;
                 let (s, t) = corner_point(canvas_face.is_triangle(), corner);
-                values[y][x] = Some(self.channel.stored(face, self.values.fans[sample], s, t));
+                let value = self.values.corner(face, corner, sample);
+                values[y][x] = Some(self.channel.stored(face, value, s, t));
             }
         }
         values

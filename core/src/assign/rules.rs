@@ -5,6 +5,8 @@
 //! be dealt with at once. Copies are samples and need no row. Variables are samples (one component at a time), or for normals the
 //! three components of each sample, since frames mix them.
 
+use std::sync::OnceLock;
+
 use glam::Mat3;
 use rayon::prelude::*;
 
@@ -23,6 +25,52 @@ pub struct Rules {
     constants: Vec<f32>,
     /// One past the last row of each group.
     group_ends: Vec<u32>,
+    /// By group.
+    faces: Vec<[Option<u32>; 2]>,
+    links: OnceLock<Links>,
+}
+
+/// Which groups of rules are about a variable.
+#[derive(Clone, Debug)]
+pub struct Links {
+    /// By variable, one more at the end.
+    first_group: Vec<u32>,
+    groups: Vec<u32>,
+}
+
+impl Links {
+    fn new(rules: &Rules) -> Self {
+        let count = rules.variables.len();
+        let each = |visit: &mut dyn FnMut(usize, u32)| {
+            let mut last = vec![u32::MAX; count];
+            for group in 0..rules.group_count() as u32 {
+                let rows = rules.group(group as usize);
+                for &(variable, _) in rows.flat_map(|row| rules.terms(row)) {
+                    if std::mem::replace(&mut last[variable as usize], group) != group {
+                        visit(variable as usize, group);
+                    }
+                }
+            }
+        };
+        let mut first_group = vec![0; count + 1];
+        each(&mut |variable, _| first_group[variable + 1] += 1);
+        for variable in 0..count {
+            first_group[variable + 1] += first_group[variable];
+        }
+        let mut filled = first_group.clone();
+        let mut groups = vec![0; first_group[count] as usize];
+        each(&mut |variable, group| {
+            groups[filled[variable] as usize] = group;
+            filled[variable] += 1;
+        });
+        Self { first_group, groups }
+    }
+
+    /// Ascending.
+    pub fn groups(&self, variable: u32) -> &[u32] {
+        let ends = &self.first_group[variable as usize..=variable as usize + 1];
+        &self.groups[ends[0] as usize..ends[1] as usize]
+    }
 }
 
 impl Rules {
@@ -40,7 +88,7 @@ impl Rules {
         let mut rules = Self::default();
         for (terms, constant) in rows {
             rules.push(terms, *constant);
-            rules.end_group();
+            rules.end_group([None; 2]);
         }
         rules.number_variables();
         rules
@@ -61,7 +109,37 @@ impl Rules {
         first as usize..self.group_ends[group] as usize
     }
 
-    fn end_group(&mut self) {
+    /// Rules of a block beyond vertex colors, four rows to a group, for the same.
+    #[cfg(test)]
+    pub fn from_cells(rows: &[(Vec<(u32, f64)>, f32)]) -> Self {
+        let mut rules = Self::default();
+        for (face, rows) in rows.chunks(4).enumerate() {
+            rows.iter().for_each(|(terms, constant)| rules.push(terms, *constant));
+            rules.end_group([Some(face as u32), None]);
+        }
+        rules.number_variables();
+        rules
+    }
+
+    /// The faces whose corners alone the group is about, beyond vertex colors; none for border texels.
+    pub fn faces(&self, group: usize) -> impl Iterator<Item = usize> {
+        self.faces[group].into_iter().flatten().map(|face| face as usize)
+    }
+
+    /// Which groups are about which variable; found when first asked for.
+    pub fn links(&self) -> &Links {
+        self.links.get_or_init(|| Links::new(self))
+    }
+
+    /// What the texel component of a row is, by values of the variables.
+    pub fn value(&self, row: usize, values: &[f64]) -> f64 {
+        let terms = self.terms(row).iter();
+        let sum: f64 = terms.map(|&(variable, weight)| values[variable as usize] * weight).sum();
+        sum + f64::from(self.constants[row])
+    }
+
+    fn end_group(&mut self, faces: [Option<u32>; 2]) {
+        self.faces.push(faces);
         self.group_ends.push(self.constants.len() as u32);
     }
 
@@ -165,7 +243,7 @@ impl Builder<'_> {
                 add(samples[0], weight * f64::from(1.0 - second));
             }
             self.push(&parts);
-            self.rules.end_group();
+            self.rules.end_group([None; 2]);
         }
     }
 
@@ -191,7 +269,7 @@ impl Builder<'_> {
             let parts: Vec<Part> = parts.collect();
             self.push(&parts);
         }
-        self.rules.end_group();
+        self.rules.end_group([faces[0], faces.get(1).copied().flatten()]);
     }
 
     fn push(&mut self, parts: &[Part]) {

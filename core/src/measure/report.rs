@@ -131,7 +131,7 @@ pub struct Fidelity {
 }
 
 /// What the representability solver did on one level.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolverReport {
     pub level: u32,
     /// Constrained texel components.
@@ -150,6 +150,31 @@ pub struct SolverReport {
     /// Change of the samples, in codes.
     pub change_mean_codes: f64,
     pub change_max_codes: f64,
+    /// Largest violation that the solver lets pass, linear values.
+    #[serde(default)]
+    pub tolerance: f64,
+    /// When it stopped, in words.
+    #[serde(default)]
+    pub stop_rule: String,
+    /// What was to be made least: squares of the samples' changes in linear values times their areas (mean
+    /// 1), summed. Of a sample that faces store differently, the version that was changed most.
+    #[serde(default)]
+    pub objective: f64,
+    /// The same figures by stored component; a normal's three are one.
+    #[serde(default)]
+    pub components: Vec<SolverComponent>,
+}
+
+/// One component of one level. Those that want the same values are solved once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SolverComponent {
+    pub variable_count: u64,
+    pub violated_count: u64,
+    pub iteration_count: u64,
+    pub objective: f64,
+    pub residual: f64,
+    pub dual_residual: f64,
+    pub complementarity: f64,
 }
 
 /// One material's layout.

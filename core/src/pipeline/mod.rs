@@ -6,6 +6,7 @@ mod material;
 pub mod options;
 mod progress;
 mod report;
+mod represent;
 #[cfg(test)]
 mod tests;
 

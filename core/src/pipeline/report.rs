@@ -184,9 +184,13 @@ fn effects(materials: &[MaterialConversion], options: &Options) -> Vec<Effect> {
     let solved: usize = channels().map(|channel| channel.solver.len()).sum();
     let level_total: usize = channels().map(|channel| channel.sample_counts.len()).sum();
     let solve = match options.solver {
-        Solver::Local | Solver::Global | Solver::Exact => {
+        Solver::Global | Solver::Exact => {
             format!("{solved} of {level_total} channel levels had texels out of range and were solved")
         }
+        Solver::Local => format!(
+            "{solved} of {level_total} channel levels had texels out of range and were solved face by face: \
+             beyond vertex colors faces store shared samples differently, which shows as seams"
+        ),
         Solver::Clamp => {
             format!("{solved} of {level_total} channel levels had texels out of range; clamped, not solved")
         }

@@ -5,13 +5,16 @@
 //! with can be stored. The number of steps hardly depends on how the rules lean on each other, which first-
 //! order methods cannot say: beyond vertex colors the rules of a face are nearly parallel.
 
-use faer::Side;
-use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
-use faer::sparse::{Argsort, Pair, SparseColMat, SymbolicSparseColMat};
+use super::island::Island;
+use super::matrix::Matrix;
 
-/// Mean of slack times multiplier at which a solution is good: slack of active rules in the order of 1e-8.
-const COMPLEMENTARITY: f64 = 1e-11;
+/// Mean of slack times multiplier at which a solution may be good: slack of active rules in the order of
+/// 1e-8.
+const COMPLEMENTARITY: f64 = 1e-9;
+/// Share of the objective that it may still fall by; below [`TIGHT`] nobody asks.
+const GAP: f64 = 1e-4;
+/// Mean of slack times multiplier at which a solution of any size is good.
+const TIGHT: f64 = 1e-13;
 /// Below this steps only lose digits.
 const EXHAUSTED: f64 = 1e-14;
 /// Largest entry of the gradient at which a solution is good: a change in the order of 1e-8.
@@ -19,153 +22,59 @@ const STATIONARITY: f64 = 1e-8;
 const STEPS_MAX: u64 = 60;
 /// Share of the way to the nearest bound that a step takes.
 const CAUTION: f64 = 0.99;
-
-/// `0 <= constant + terms · y <= 1`.
-pub struct IslandRow {
-    /// Variable and weight.
-    pub terms: Vec<(u32, f64)>,
-    pub constant: f64,
-}
-
-/// Rules that share variables, with rows scaled to unit length.
-pub struct Island {
-    variables: Vec<u32>,
-    /// Terms by local variable.
-    rows: Vec<Vec<(u32, f64)>>,
-    low: Vec<f64>,
-    high: Vec<f64>,
-}
+/// What a solve with the factored matrix may leave of its right side before it is repeated for the rest.
+const REFINED: f64 = 1e-9;
 
 pub struct Outcome {
     /// By [`Island::variables`].
     pub values: Vec<f64>,
     pub step_count: u64,
+    /// Largest entry of the gradient that is left.
     pub dual_residual: f64,
+    /// Mean of slack times multiplier that is left.
     pub complementarity: f64,
 }
 
-impl Island {
-    pub fn new(rows: Vec<IslandRow>) -> Self {
-        let mut variables: Vec<u32> =
-            rows.iter().flat_map(|row| row.terms.iter().map(|term| term.0)).collect();
-        variables.sort_unstable();
-        variables.dedup();
-        let mut island = Self { rows: Vec::with_capacity(rows.len()), low: vec![], high: vec![], variables };
-        for row in rows {
-            let length = row.terms.iter().map(|(_, weight)| weight * weight).sum::<f64>().sqrt();
-            if length == 0.0 {
-                continue;
+/// The least change from `wanted` in the measure of `weights`, both by the problem's variables; at `center`
+/// every rule holds with room to spare.
+pub fn solve_island(
+    island: &Island,
+    wanted: &[f64],
+    weights: &[f64],
+    center: f64,
+    canceled: &(dyn Fn() -> bool + Sync),
+) -> Outcome {
+    let pick = |all: &[f64]| island.variables().iter().map(|&v| all[v as usize]).collect::<Vec<f64>>();
+    let mut iterate = Iterate::new(island, pick(wanted), pick(weights), center);
+    let mut step_count = 0;
+    if let Some(mut matrix) = Matrix::new(island) {
+        let mut best: Option<(Rest, Vec<f64>, [Vec<f64>; 2])> = None;
+        while step_count < STEPS_MAX && !iterate.is_good() && !canceled() {
+            // Rounding ends the method where the system can no longer be factored, where no step is left
+            // or where slack and multipliers have lost their digits; every iterate keeps every rule.
+            if iterate.complementarity() < EXHAUSTED || !iterate.step(&mut matrix) {
+                break;
             }
-            let local = |variable| island.variables.binary_search(&variable).unwrap_or(0) as u32;
-            island.rows.push(row.terms.iter().map(|&(v, weight)| (local(v), weight / length)).collect());
-            island.low.push(-row.constant / length);
-            island.high.push((1.0 - row.constant) / length);
-        }
-        island
-    }
-
-    pub fn variables(&self) -> &[u32] {
-        &self.variables
-    }
-
-    /// `wanted` and `weights` are indexed by the problem's variables; `center` keeps every rule.
-    pub fn solve(
-        &self,
-        wanted: &[f64],
-        weights: &[f64],
-        center: f64,
-        canceled: &(dyn Fn() -> bool + Sync),
-    ) -> Outcome {
-        let pick = |all: &[f64]| self.variables.iter().map(|&v| all[v as usize]).collect::<Vec<f64>>();
-        let mut iterate = Iterate::new(self, pick(wanted), pick(weights), center);
-        let mut step_count = 0;
-        if let Some(system) = System::new(self) {
-            let mut best: Option<(f64, Vec<f64>, [Vec<f64>; 2])> = None;
-            while step_count < STEPS_MAX && !iterate.is_good() && !canceled() {
-                // Rounding ends the method where the system can no longer be factored, where no step is left
-                // or where slack and multipliers have lost their digits; every iterate keeps every rule.
-                if iterate.complementarity() < EXHAUSTED || !iterate.step(&system) {
-                    break;
-                }
-                step_count += 1;
-                let rest = iterate.dual_residual();
-                if iterate.complementarity() <= COMPLEMENTARITY
-                    && best.as_ref().is_none_or(|(least, ..)| rest < *least)
-                {
-                    best = Some((rest, iterate.values.clone(), iterate.multipliers.clone()));
-                }
-            }
-            if let Some((_, values, multipliers)) =
-                best.filter(|(least, ..)| *least < iterate.dual_residual())
+            step_count += 1;
+            let rest = iterate.rest();
+            if iterate.complementarity() <= COMPLEMENTARITY && best.as_ref().is_none_or(|best| rest < best.0)
             {
-                iterate.restore(values, multipliers);
+                best = Some((rest, iterate.values.clone(), iterate.multipliers.clone()));
             }
         }
-        if !iterate.is_good() {
-            iterate.approach_wanted();
-        }
-        let (dual_residual, complementarity) = (iterate.dual_residual(), iterate.complementarity());
-        Outcome { values: iterate.values, step_count, dual_residual, complementarity }
-    }
-
-    /// `W y`.
-    fn apply(&self, y: &[f64]) -> Vec<f64> {
-        let row = |terms: &Vec<(u32, f64)>| terms.iter().map(|&(v, weight)| weight * y[v as usize]).sum();
-        self.rows.iter().map(row).collect()
-    }
-
-    /// `out += Wᵀ z`.
-    fn add_transposed(&self, z: impl Iterator<Item = f64>, out: &mut [f64]) {
-        for (terms, z) in self.rows.iter().zip(z) {
-            terms.iter().for_each(|&(v, weight)| out[v as usize] += weight * z);
+        if let Some((_, values, multipliers)) = best.filter(|best| best.0 < iterate.rest()) {
+            iterate.restore(values, multipliers);
         }
     }
-}
-
-/// The sparse matrix `diag(a) + Wᵀ D W`: its pattern and order of elimination, found once.
-struct System {
-    pattern: SymbolicSparseColMat<u32>,
-    order: Argsort<u32>,
-    elimination: SymbolicLlt<u32>,
-}
-
-impl System {
-    fn new(island: &Island) -> Option<Self> {
-        let mut entries: Vec<Pair<u32, u32>> =
-            (0..island.variables.len() as u32).map(|v| Pair { row: v, col: v }).collect();
-        for terms in &island.rows {
-            for &(a, _) in terms {
-                for &(b, _) in terms.iter().filter(|term| term.0 <= a) {
-                    entries.push(Pair { row: a, col: b });
-                }
-            }
-        }
-        let n = island.variables.len();
-        let (pattern, order) = SymbolicSparseColMat::try_new_from_indices(n, n, &entries).ok()?;
-        let elimination = SymbolicLlt::try_new(pattern.as_ref(), Side::Lower).ok()?;
-        Some(Self { pattern, order, elimination })
+    if !iterate.is_sound() {
+        iterate.approach_wanted();
     }
-
-    /// Factors the matrix for the diagonals `a` and `d`.
-    fn factor(&self, island: &Island, a: &[f64], d: &[f64]) -> Option<Llt<u32, f64>> {
-        let mut values = a.to_vec();
-        for (terms, d) in island.rows.iter().zip(d) {
-            for &(a, weight_a) in terms {
-                for &(_, weight_b) in terms.iter().filter(|term| term.0 <= a) {
-                    values.push(d * weight_a * weight_b);
-                }
-            }
-        }
-        let matrix = SparseColMat::new_from_argsort(self.pattern.clone(), &self.order, &values).ok()?;
-        Llt::try_new_with_symbolic(self.elimination.clone(), matrix.as_ref(), Side::Lower).ok()
-    }
+    let (dual_residual, complementarity) = (iterate.dual_residual(), iterate.complementarity());
+    Outcome { values: iterate.values, step_count, dual_residual, complementarity }
 }
 
-/// `diag(a) + Wᵀ D W`, factored, with its `D`.
-struct Matrix {
-    factor: Llt<u32, f64>,
-    stiffness: Vec<f64>,
-}
+/// What is left: whether the gradient is too large, and then how large, else slack times multiplier.
+type Rest = (bool, f64);
 
 /// A point strictly inside all rules, and multipliers above zero.
 struct Iterate<'a> {
@@ -176,182 +85,251 @@ struct Iterate<'a> {
     /// Distance to the low bounds, then to the high ones.
     slack: [Vec<f64>; 2],
     multipliers: [Vec<f64>; 2],
+    /// `a (y - c) - Wᵀ (z_low - z_high)`, zero at the optimum; kept up to date.
+    gradient: Vec<f64>,
+    room: Room,
 }
+
+/// Room that steps use again.
+#[derive(Default)]
+struct Room {
+    stiffness: Vec<f64>,
+    predictor: Direction,
+    corrector: Direction,
+    right: Vec<f64>,
+    rest: Vec<f64>,
+    rows: Vec<f64>,
+}
+
+/// Of values, rows (the low slack grows as they do, the high one falls) and multipliers.
+#[derive(Default)]
+struct Direction {
+    values: Vec<f64>,
+    rows: Vec<f64>,
+    multipliers: [Vec<f64>; 2],
+}
+
+/// How a row's value moves the slack of each side.
+const SIGNS: [f64; 2] = [1.0, -1.0];
 
 impl<'a> Iterate<'a> {
     fn new(island: &'a Island, wanted: Vec<f64>, weights: Vec<f64>, center: f64) -> Self {
         /// Start of slack times multiplier: what a change of a tenth is worth.
         const START: f64 = 1e-2;
         let values = vec![center; wanted.len()];
-        let rows = island.apply(&values);
-        let low = rows.iter().zip(&island.low).map(|(row, low)| row - low).collect::<Vec<_>>();
-        let high = rows.iter().zip(&island.high).map(|(row, high)| high - row).collect::<Vec<_>>();
-        let multipliers = [&low, &high].map(|slack| slack.iter().map(|s| START / s).collect());
-        Self { island, wanted, weights, values, slack: [low, high], multipliers }
+        let mut iterate = Self {
+            island,
+            wanted,
+            weights,
+            values,
+            slack: Default::default(),
+            multipliers: Default::default(),
+            gradient: Vec::new(),
+            room: Room::default(),
+        };
+        iterate.update_slack();
+        iterate.multipliers = [0, 1].map(|side| iterate.slack[side].iter().map(|s| START / s).collect());
+        iterate.update_gradient();
+        iterate
+    }
+
+    fn update_slack(&mut self) {
+        let Self { island, room, slack, .. } = self;
+        island.apply(&self.values, &mut room.rows);
+        slack[0] = room.rows.iter().zip(island.low()).map(|(row, low)| row - low).collect();
+        slack[1] = room.rows.iter().zip(island.high()).map(|(row, high)| high - row).collect();
+    }
+
+    fn update_gradient(&mut self) {
+        let terms = self.values.iter().zip(&self.wanted).zip(&self.weights);
+        self.gradient.clear();
+        self.gradient.extend(terms.map(|((y, c), a)| a * (y - c)));
+        let [low, high] = &self.multipliers;
+        self.island.add_transposed(low.iter().zip(high).map(|(low, high)| high - low), &mut self.gradient);
     }
 
     fn complementarity(&self) -> f64 {
         let products = |side: usize| -> f64 {
             self.slack[side].iter().zip(&self.multipliers[side]).map(|(s, z)| s * z).sum()
         };
-        (products(0) + products(1)) / (2 * self.slack[0].len()) as f64
+        (products(0) + products(1)) / (2 * self.island.row_count()).max(1) as f64
     }
 
     /// Goes back to an earlier point.
     fn restore(&mut self, values: Vec<f64>, multipliers: [Vec<f64>; 2]) {
-        let rows = self.island.apply(&values);
-        self.slack[0] = rows.iter().zip(&self.island.low).map(|(row, low)| row - low).collect();
-        self.slack[1] = rows.iter().zip(&self.island.high).map(|(row, high)| high - row).collect();
         self.values = values;
         self.multipliers = multipliers;
+        self.update_slack();
+        self.update_gradient();
     }
 
     /// Goes straight towards the wanted values as far as every rule holds: what can be said without the
     /// optimum is at least nearer than the center.
     fn approach_wanted(&mut self) {
-        let values: Vec<f64> = self.wanted.iter().zip(&self.values).map(|(c, y)| c - y).collect();
-        let low = self.island.apply(&values);
-        let slack = [low.clone(), low.iter().map(|d| -d).collect()];
-        let multipliers = [vec![0.0; low.len()], vec![0.0; low.len()]];
-        let direction = Direction { values, slack, multipliers };
+        let mut direction = Direction {
+            values: self.wanted.iter().zip(&self.values).map(|(c, y)| c - y).collect(),
+            rows: Vec::new(),
+            multipliers: [0, 1].map(|_| vec![0.0; self.island.row_count()]),
+        };
+        self.island.apply(&direction.values, &mut direction.rows);
         let length = self.reach(&direction).clamp(0.0, 1.0);
         self.advance(&direction, length);
     }
 
     fn dual_residual(&self) -> f64 {
-        self.gradient().iter().fold(0.0, |max: f64, entry| max.max(entry.abs()))
+        self.gradient.iter().fold(0.0, |max: f64, entry| max.max(entry.abs()))
     }
 
-    fn is_good(&self) -> bool {
+    fn rest(&self) -> Rest {
+        let gradient = self.dual_residual();
+        let is_open = gradient > STATIONARITY;
+        (is_open, if is_open { gradient } else { self.complementarity() })
+    }
+
+    fn is_sound(&self) -> bool {
         self.complementarity() <= COMPLEMENTARITY && self.dual_residual() <= STATIONARITY
     }
 
-    /// `a (y - c) - Wᵀ (z_low - z_high)`, zero at the optimum.
-    fn gradient(&self) -> Vec<f64> {
-        let mut gradient: Vec<f64> = (self.values.iter().zip(&self.wanted).zip(&self.weights))
-            .map(|((y, c), a)| a * (y - c))
-            .collect();
-        let [low, high] = &self.multipliers;
-        self.island.add_transposed(low.iter().zip(high).map(|(low, high)| high - low), &mut gradient);
-        gradient
+    fn is_good(&self) -> bool {
+        if !self.is_sound() {
+            return false;
+        }
+        let mean = self.complementarity();
+        // The duality gap of half the objective is the sum of all products.
+        let gap = 4.0 * mean * self.island.row_count() as f64;
+        let terms = self.values.iter().zip(&self.wanted).zip(&self.weights);
+        mean <= TIGHT || gap <= GAP * terms.map(|((y, c), a)| a * (y - c) * (y - c)).sum::<f64>()
     }
 
     /// One predictor and corrector; false where there is no way on.
-    fn step(&mut self, system: &System) -> bool {
-        let stiffness = self.stiffness();
-        let Some(factor) = system.factor(self.island, &self.weights, &stiffness) else { return false };
-        let matrix = Matrix { factor, stiffness };
-        let gradient = self.gradient();
-        let products = [0, 1].map(|side| {
-            (self.slack[side].iter().zip(&self.multipliers[side])).map(|(s, z)| s * z).collect::<Vec<f64>>()
-        });
-        let predictor = self.direction(&matrix, &gradient, &products);
+    fn step(&mut self, matrix: &mut Matrix) -> bool {
+        let mut room = std::mem::take(&mut self.room);
+        let is_done = self.step_in(matrix, &mut room);
+        self.room = room;
+        is_done
+    }
+
+    fn step_in(&mut self, matrix: &mut Matrix, room: &mut Room) -> bool {
+        room.stiffness.clear();
+        room.stiffness.extend(
+            (0..self.island.row_count()).map(|row| {
+                (0..2).map(|side| self.multipliers[side][row] / self.slack[side][row]).sum::<f64>()
+            }),
+        );
+        if !matrix.factor(self.island, &self.weights, &room.stiffness) {
+            return false;
+        }
+        let mut predictor = std::mem::take(&mut room.predictor);
+        let mut direction = std::mem::take(&mut room.corrector);
+        let product = |side: usize, row: usize| self.slack[side][row] * self.multipliers[side][row];
+        self.direct(matrix, room, product, &mut predictor);
         let mean = self.complementarity();
-        let reach = self.reach(&predictor);
-        let mean_ahead = self.complementarity_ahead(&predictor, reach);
+        let mean_ahead = self.complementarity_ahead(&predictor, self.reach(&predictor));
         let centering = (mean_ahead / mean).powi(3) * mean;
-        let toward = |second_order: f64, mean: f64| {
-            [0, 1].map(|side| {
-                let products = products[side].iter().enumerate();
-                let one = |(row, product): (usize, &f64)| {
-                    let bend = predictor.slack[side][row] * predictor.multipliers[side][row];
-                    product + second_order * bend - mean
-                };
-                products.map(one).collect::<Vec<f64>>()
-            })
+        let bent = |side: usize, row: usize| {
+            let bend = SIGNS[side] * predictor.rows[row] * predictor.multipliers[side][row];
+            product(side, row) + bend - centering
         };
-        let mut direction = self.direction(&matrix, &gradient, &toward(1.0, centering));
+        self.direct(matrix, room, bent, &mut direction);
         let mut length = (CAUTION * self.reach(&direction)).min(1.0);
         if self.complementarity_ahead(&direction, length) > (1.0 - 0.1 * length) * mean {
             // The corrector can run in circles; the plain path to a fifth of the mean cannot.
-            direction = self.direction(&matrix, &gradient, &toward(0.0, 0.2 * mean));
+            self.direct(matrix, room, |side, row| product(side, row) - 0.2 * mean, &mut direction);
             length = (CAUTION * self.reach(&direction)).min(1.0);
         }
-        if length.is_nan() || length < 1e-9 || direction.values.iter().any(|d| !d.is_finite()) {
-            return false;
+        let is_sound = length >= 1e-9 && direction.values.iter().all(|d| d.is_finite());
+        if is_sound {
+            self.advance(&direction, length);
         }
-        self.advance(&direction, length);
-        true
+        (room.predictor, room.corrector) = (predictor, direction);
+        is_sound
     }
 
     /// Newton's direction for the gradient and for products `s z` that are to become zero.
-    fn direction(&self, matrix: &Matrix, gradient: &[f64], products: &[Vec<f64>; 2]) -> Direction {
-        let mut right: Vec<f64> = gradient.iter().map(|g| -g).collect();
-        let pull = |row: usize| products[1][row] / self.slack[1][row] - products[0][row] / self.slack[0][row];
-        self.island.add_transposed((0..self.slack[0].len()).map(pull), &mut right);
-        let values = self.refined(matrix, &right);
-        let low = self.island.apply(&values);
-        let slack = [low.clone(), low.iter().map(|d| -d).collect()];
-        let multipliers = [0, 1].map(|side| {
-            (0..low.len())
-                .map(|row| {
-                    let back = products[side][row] + self.multipliers[side][row] * slack[side][row];
-                    -back / self.slack[side][row]
-                })
-                .collect()
-        });
-        Direction { values, slack, multipliers }
-    }
-
-    /// Solves with the factored matrix, then twice for what rounding left: with nearly parallel rules the
-    /// matrix is ill-conditioned near the optimum.
-    fn refined(&self, matrix: &Matrix, right: &[f64]) -> Vec<f64> {
-        let mut values = vec![0.0; right.len()];
-        let mut rest = right.to_vec();
-        for _ in 0..3 {
-            let step = matrix.factor.solve(&faer::Col::from_fn(rest.len(), |at| rest[at]));
-            values.iter_mut().enumerate().for_each(|(at, value)| *value += step[at]);
-            rest =
-                (right.iter().zip(&values).zip(&self.weights)).map(|((right, y), a)| right - a * y).collect();
-            let rows = self.island.apply(&values).into_iter().zip(&matrix.stiffness);
-            self.island.add_transposed(rows.map(|(row, d)| -row * d), &mut rest);
+    fn direct(
+        &self,
+        matrix: &mut Matrix,
+        room: &mut Room,
+        product: impl Fn(usize, usize) -> f64,
+        out: &mut Direction,
+    ) {
+        room.right.clear();
+        room.right.extend(self.gradient.iter().map(|g| -g));
+        let pull = |row: usize| product(1, row) / self.slack[1][row] - product(0, row) / self.slack[0][row];
+        self.island.add_transposed((0..self.island.row_count()).map(pull), &mut room.right);
+        self.refined(matrix, room, &mut out.values);
+        self.island.apply(&out.values, &mut out.rows);
+        for side in 0..2 {
+            let multipliers = &mut out.multipliers[side];
+            multipliers.clear();
+            multipliers.extend(out.rows.iter().enumerate().map(|(row, by)| {
+                let back = product(side, row) + self.multipliers[side][row] * SIGNS[side] * by;
+                -back / self.slack[side][row]
+            }));
         }
-        values
     }
 
-    /// What each row adds to the matrix: multiplier over slack, both sides.
-    fn stiffness(&self) -> Vec<f64> {
-        let one = |row: usize| (0..2).map(|side| self.multipliers[side][row] / self.slack[side][row]).sum();
-        (0..self.slack[0].len()).map(one).collect()
+    /// Solves with the factored matrix, then up to twice for what rounding left: with nearly parallel rules
+    /// the matrix is ill-conditioned near the optimum.
+    fn refined(&self, matrix: &mut Matrix, room: &mut Room, values: &mut Vec<f64>) {
+        let largest = |all: &[f64]| all.iter().fold(0.0, |max: f64, entry| max.max(entry.abs()));
+        let Room { stiffness, right, rest, rows, .. } = room;
+        values.clear();
+        values.resize(right.len(), 0.0);
+        rest.clone_from(right);
+        for pass in 0..3 {
+            matrix.solve(rest);
+            values.iter_mut().zip(&*rest).for_each(|(value, step)| *value += step);
+            if pass == 2 {
+                break;
+            }
+            let terms = right.iter().zip(&*values).zip(&self.weights);
+            rest.clear();
+            rest.extend(terms.map(|((right, y), a)| right - a * y));
+            self.island.apply(values, rows);
+            self.island.add_transposed(rows.iter().zip(&*stiffness).map(|(row, d)| -row * d), rest);
+            if largest(rest) <= REFINED * largest(right) {
+                break;
+            }
+        }
     }
 
     /// How far slack and multipliers stay above zero, at most 1.
     fn reach(&self, direction: &Direction) -> f64 {
-        let bound = |at: &[f64], by: &[f64]| {
-            let falling = at.iter().zip(by).filter(|(_, d)| **d < 0.0);
-            falling.map(|(at, d)| -at / d).fold(1.0 / CAUTION, f64::min)
-        };
-        let sides = (0..2).map(|side| {
-            let slack = bound(&self.slack[side], &direction.slack[side]);
-            slack.min(bound(&self.multipliers[side], &direction.multipliers[side]))
-        });
-        sides.fold(1.0 / CAUTION, f64::min)
+        let mut reach = 1.0 / CAUTION;
+        for side in 0..2 {
+            let slack = self.slack[side].iter().zip(direction.rows.iter().map(|by| SIGNS[side] * by));
+            let multipliers = self.multipliers[side].iter().zip(direction.multipliers[side].iter().copied());
+            for (at, by) in slack.chain(multipliers) {
+                if at + reach * by < 0.0 {
+                    reach = -at / by;
+                }
+            }
+        }
+        reach
     }
 
     fn complementarity_ahead(&self, direction: &Direction, length: f64) -> f64 {
         let length = length.min(1.0);
         let mut sum = 0.0;
         for side in 0..2 {
-            for row in 0..self.slack[side].len() {
-                let slack = self.slack[side][row] + length * direction.slack[side][row];
+            for (row, by) in direction.rows.iter().enumerate() {
+                let slack = self.slack[side][row] + length * SIGNS[side] * by;
                 sum += slack * (self.multipliers[side][row] + length * direction.multipliers[side][row]);
             }
         }
-        sum / (2 * self.slack[0].len()) as f64
+        sum / (2 * self.island.row_count()).max(1) as f64
     }
 
     fn advance(&mut self, direction: &Direction, length: f64) {
-        let add = |at: &mut [f64], by: &[f64]| at.iter_mut().zip(by).for_each(|(at, by)| *at += length * by);
-        add(&mut self.values, &direction.values);
+        let add = |at: &mut [f64], by: &[f64], length: f64| {
+            at.iter_mut().zip(by).for_each(|(at, by)| *at += length * by);
+        };
+        add(&mut self.values, &direction.values, length);
         for side in 0..2 {
-            add(&mut self.slack[side], &direction.slack[side]);
-            add(&mut self.multipliers[side], &direction.multipliers[side]);
+            add(&mut self.slack[side], &direction.rows, SIGNS[side] * length);
+            add(&mut self.multipliers[side], &direction.multipliers[side], length);
         }
+        self.update_gradient();
     }
-}
-
-struct Direction {
-    values: Vec<f64>,
-    slack: [Vec<f64>; 2],
-    multipliers: [Vec<f64>; 2],
 }

@@ -4,17 +4,24 @@
 //! minimize Σ_p a_p x_p²   subject to   0 <= k + wᵀ (c + x) <= 1   for every rule (k, w)
 //! ```
 //!
-//! `c` are the wanted samples of one level, `x` their change, `a` sample areas. MCT 3.4 solves this face by
-//! face, which can tear what two faces share; here the whole level is one problem. Only what is out of range
-//! is solved: rules come in when they are violated, and islands of rules that share no sample are problems
-//! of their own.
+//! `c` are the wanted samples of one level, `x` their change, `a` sample areas. One component of one level is
+//! one [`Problem`]. `global` solves it as islands of the rules that bind, `exact` as a whole by a library,
+//! and `local` as the papers do, which can tear what two faces share.
 
+mod exact;
 mod global;
 mod interior;
+mod island;
+mod local;
+mod matrix;
+mod problem;
 #[cfg(test)]
 mod tests;
 
-pub use global::{Problem, Solution, TOLERANCE, solve, violated_count};
+pub use exact::{VARIABLES_MAX, solve_exactly};
+pub use global::solve;
+pub use local::{FaceChange, LocalSolution, solve_locally};
+pub use problem::{Problem, Solution, TOLERANCE};
 
 /// What is done about texels that the format cannot store.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,0 +1,267 @@
+//! Brings one level's samples to where every texel can be stored, by the solver that was asked for.
+
+use glam::{Vec4, Vec4Swizzles};
+use rayon::prelude::*;
+
+use crate::assign::{LevelChannel, LevelValues, Rules};
+use crate::colors::sample_areas;
+use crate::error::{Error, ErrorCode, Result};
+use crate::image::Transfer;
+use crate::math::transfer::linear_to_srgb;
+use crate::measure::{SolverComponent, SolverReport};
+use crate::solve::{
+    FaceChange, Problem, Solution, Solver, TOLERANCE, VARIABLES_MAX, solve, solve_exactly, solve_locally,
+};
+use crate::watch::{self, Watch};
+
+/// A sample counts for at least this share of the mean sample in the solver's objective: faces of no area
+/// must not make it singular.
+const WEIGHT_FLOOR: f64 = 1e-4;
+
+/// Brings the samples to where every texel can be stored; `None` where nothing was out of range.
+///
+/// # Errors
+/// Canceled; or `exact` was asked for a level that is too large for it.
+pub fn represent(
+    channel: &LevelChannel<'_>,
+    rules: &Rules,
+    values: &mut LevelValues,
+    solver: Solver,
+    watch: &dyn Watch,
+) -> Result<Option<SolverReport>> {
+    let systems = if channel.frames.is_some() { vec![System::Normals] } else { System::components(channel) };
+    let wanted: Vec<Vec<f64>> =
+        systems.par_iter().map(|system| system.gather(rules, &values.samples)).collect();
+    let is_violated = |wanted: &Vec<f64>| {
+        (0..rules.len())
+            .into_par_iter()
+            .any(|row| !(-TOLERANCE..=1.0 + TOLERANCE).contains(&rules.value(row, wanted)))
+    };
+    if !wanted.iter().any(is_violated) {
+        return Ok(None);
+    }
+    let weights = weights(channel, rules);
+    let is_stored = channel.frames.is_none();
+    let center = if is_stored { 0.5 } else { 0.0 };
+    // Gray stored as RGB is common: components that want the same get the same.
+    let twin = |k: usize| (0..k).find(|&earlier| wanted[earlier] == wanted[k]);
+    let twins: Vec<Option<usize>> = (0..systems.len()).map(twin).collect();
+    let solved: Vec<Option<Solved>> = (wanted.par_iter().zip(&twins))
+        .map(|(wanted, twin)| {
+            let problem = Problem { rules, wanted, weights: &weights, center, is_stored };
+            if twin.is_some() { Ok(None) } else { solve_by(solver, &problem, watch).map(Some) }
+        })
+        .collect::<Result<_>>()?;
+    watch::check(watch)?;
+    let solved: Vec<&Solved> =
+        (0..systems.len()).filter_map(|k| solved[twins[k].unwrap_or(k)].as_ref()).collect();
+    let before = samples_of(channel, rules, &values.samples);
+    for (system, solved) in systems.iter().zip(&solved) {
+        system.scatter(rules, &solved.solution.values, values);
+    }
+    let after = samples_of(channel, rules, &values.samples);
+    if solver == Solver::Local {
+        part(channel, rules, values, &systems, &solved);
+    }
+    let mut report = report(rules, &solved);
+    let (change_sum_codes, change_max_codes) = changes(channel, &before, &after);
+    report.level = channel.numbering.level as u32;
+    report.change_mean_codes = change_sum_codes / values.samples.len() as f64;
+    report.change_max_codes = change_max_codes;
+    report.stop_rule = stop_rule(solver).to_owned();
+    Ok(Some(report))
+}
+
+/// One component's solution, and where faces part from it.
+struct Solved {
+    solution: Solution,
+    /// Of [`Solver::Local`]: what all faces share.
+    shared: Vec<f64>,
+    faces: Vec<FaceChange>,
+}
+
+fn solve_by(solver: Solver, problem: &Problem<'_>, watch: &dyn Watch) -> Result<Solved> {
+    watch::check(watch)?;
+    let solution = match solver {
+        Solver::Clamp => {
+            let (residual, violated_count) = problem.violations(problem.wanted);
+            Solution { residual, violated_count, ..Solution::unchanged(problem) }
+        }
+        Solver::Local => {
+            let local = solve_locally(problem);
+            return Ok(Solved { solution: local.solution, shared: local.shared, faces: local.faces });
+        }
+        Solver::Global => solve(problem, &|| watch.canceled()),
+        Solver::Exact => {
+            let count = problem.wanted.len();
+            if count > VARIABLES_MAX {
+                let detail = format!(
+                    "solver `exact` takes {VARIABLES_MAX} variables a component and level at most, and here \
+                     are {count}: use `global`, or a lower resolution"
+                );
+                return Err(Error::new(ErrorCode::InvalidOptions, detail)
+                    .at("/solver")
+                    .limit(VARIABLES_MAX as u64, count as u64));
+            }
+            solve_exactly(problem).map_err(|reason| Error::internal(format!("solver `exact`: {reason}")))?
+        }
+    };
+    Ok(Solved { solution, shared: Vec::new(), faces: Vec::new() })
+}
+
+/// When a solver stops. The figures are those of `solve`'s constants.
+fn stop_rule(solver: Solver) -> &'static str {
+    match solver {
+        Solver::Clamp => "at once: nothing is solved",
+        Solver::Local => {
+            "a face when no texel of it is out of range by more than the tolerance, or after nine steps"
+        }
+        Solver::Global => {
+            "an island at complementarity 1e-9, gradient 1e-8 and a gap of 1e-4 of its objective; the level when no \
+             rule is broken by more than the tolerance"
+        }
+        Solver::Exact => "the level at a gap and residuals of 1e-9",
+    }
+}
+
+fn report(rules: &Rules, solved: &[&Solved]) -> SolverReport {
+    let component = |solved: &&Solved| SolverComponent {
+        variable_count: solved.solution.values.len() as u64,
+        violated_count: solved.solution.violated_count,
+        iteration_count: solved.solution.step_count,
+        objective: solved.solution.objective,
+        residual: solved.solution.residual,
+        dual_residual: solved.solution.dual_residual,
+        complementarity: solved.solution.complementarity,
+    };
+    let components: Vec<SolverComponent> = solved.iter().map(component).collect();
+    let largest = |figure: fn(&SolverComponent) -> f64| components.iter().map(figure).fold(0.0, f64::max);
+    SolverReport {
+        row_count: (rules.len() * components.len()) as u64,
+        violated_count: components.iter().map(|component| component.violated_count).sum(),
+        iteration_count: components.iter().map(|component| component.iteration_count).max().unwrap_or(0),
+        residual: largest(|component| component.residual),
+        dual_residual: largest(|component| component.dual_residual),
+        complementarity: largest(|component| component.complementarity),
+        tolerance: TOLERANCE,
+        objective: components.iter().map(|component| component.objective).sum(),
+        components,
+        ..SolverReport::default()
+    }
+}
+
+/// Gives every face its own version of its corners: the shared ones, or what its own solve made of them.
+fn part(
+    channel: &LevelChannel<'_>,
+    rules: &Rules,
+    values: &mut LevelValues,
+    systems: &[System],
+    solved: &[&Solved],
+) {
+    for (system, solved) in systems.iter().zip(solved) {
+        system.scatter(rules, &solved.shared, values);
+    }
+    if solved.iter().all(|solved| solved.faces.is_empty()) {
+        return;
+    }
+    let fan_of = &channel.numbering.topology.fan_of;
+    values.corners = fan_of.iter().map(|fans| fans.map(|fan| values.fans[fan as usize])).collect();
+    for (system, solved) in systems.iter().zip(solved) {
+        for change in &solved.faces {
+            for face in rules.faces(change.group) {
+                let count = channel.numbering.canvas.faces[face].count();
+                for &(variable, value) in &change.values {
+                    let (sample, component) = system.place(rules.variables()[variable as usize]);
+                    let corners = values.corners[face][..count].iter_mut().zip(fan_of[face]);
+                    let own = corners.filter(|(_, fan)| *fan as usize == sample);
+                    own.for_each(|(corner, _)| corner[component] = value);
+                }
+            }
+        }
+    }
+}
+
+/// The weight of each variable's change: the surface area of its sample, 1 in the mean over all samples.
+fn weights(channel: &LevelChannel<'_>, rules: &Rules) -> Vec<f64> {
+    let areas = sample_areas(channel.numbering);
+    let mean = areas.iter().map(|&area| f64::from(area)).sum::<f64>() / areas.len() as f64;
+    // A mesh without any area still has a mean to divide by.
+    let mean = if mean > 0.0 { mean } else { 1.0 };
+    let weight = |sample: u32| (f64::from(areas[sample as usize]) / mean).max(WEIGHT_FLOOR);
+    let per_sample = if channel.frames.is_some() { 3 } else { 1 };
+    rules.variables().iter().map(|variable| weight(variable / per_sample)).collect()
+}
+
+/// The values of the samples that rules are about.
+fn samples_of(channel: &LevelChannel<'_>, rules: &Rules, values: &[Vec4]) -> Vec<Vec4> {
+    let per_sample = if channel.frames.is_some() { 3 } else { 1 };
+    let mut samples: Vec<u32> = rules.variables().iter().map(|variable| variable / per_sample).collect();
+    samples.dedup();
+    samples.into_iter().map(|sample| values[sample as usize]).collect()
+}
+
+/// The variables that one solve is about.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum System {
+    /// One component of every sample.
+    Component(usize),
+    /// All three components of every normal, which the frames mix.
+    Normals,
+}
+
+impl System {
+    fn components(channel: &LevelChannel<'_>) -> Vec<Self> {
+        let stored: &[usize] = match channel.codec.components {
+            1 => &[0],
+            2 => &[0, 3],
+            3 => &[0, 1, 2],
+            _ => &[0, 1, 2, 3],
+        };
+        stored.iter().map(|&component| System::Component(component)).collect()
+    }
+
+    /// The values of the rules' variables.
+    fn gather(self, rules: &Rules, values: &[Vec4]) -> Vec<f64> {
+        let variables = rules.variables().iter().map(|&variable| variable as usize);
+        match self {
+            System::Component(k) => variables.map(|sample| f64::from(values[sample][k])).collect(),
+            System::Normals => variables.map(|at| f64::from(values[at / 3][at % 3])).collect(),
+        }
+    }
+
+    fn scatter(self, rules: &Rules, solved: &[f64], values: &mut LevelValues) {
+        for (&variable, &value) in rules.variables().iter().zip(solved) {
+            let (sample, component) = self.place(variable);
+            values.set(sample, component, value);
+        }
+    }
+
+    /// Sample and component of a variable.
+    fn place(self, variable: u32) -> (usize, usize) {
+        match self {
+            System::Component(k) => (variable as usize, k),
+            System::Normals => (variable as usize / 3, variable as usize % 3),
+        }
+    }
+}
+
+/// Sum and maximum of the samples' changes in codes, the largest component counting.
+fn changes(channel: &LevelChannel<'_>, before: &[Vec4], after: &[Vec4]) -> (f64, f64) {
+    let is_color = channel.codec.transfer == Transfer::Srgb;
+    let encode = |value: Vec4| {
+        if !is_color {
+            return value;
+        }
+        value.xyz().map(linear_to_srgb).extend(value.w)
+    };
+    // Normals span [-1, 1], two of these to a code range.
+    let scale = if channel.frames.is_some() { 127.5 } else { 255.0 };
+    let mut sum = 0.0;
+    let mut max = 0.0f64;
+    for (before, after) in before.iter().zip(after).filter(|(before, after)| before != after) {
+        let change = f64::from((encode(*before) - encode(*after)).abs().max_element()) * scale;
+        sum += change;
+        max = max.max(change);
+    }
+    (sum, max)
+}
