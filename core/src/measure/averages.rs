@@ -120,12 +120,12 @@ impl Gather<'_> {
                 }
                 Around { triangles, samples }
             }
-            None => Around { triangles: Vec::new(), samples: self.from_cloud(&gauss, first) },
+            None => Around { triangles: Vec::new(), samples: self.of_cloud(&gauss, first) },
         }
     }
 
     /// Every so many of the cloud's points, which leaves equal shares of the area to each.
-    fn from_cloud(&self, gauss: &Gauss, first: u32) -> Vec<Sample> {
+    fn of_cloud(&self, gauss: &Gauss, first: u32) -> Vec<Sample> {
         let wanted = POINT_COUNT as f64 / (4.0 * PI * gauss.deviation.powi(2));
         let most = (self.cloud.len() / CLOUD_LEAST).max(1);
         let step = ((self.density / wanted) as usize).clamp(1, most);

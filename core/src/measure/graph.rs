@@ -163,8 +163,9 @@ fn distance_squared([a, b, c]: [DVec3; 3], point: DVec3) -> f64 {
     let to_side = |(from, to): (DVec3, DVec3)| {
         let along = to - from;
         let share = along.dot(point - from) / along.length_squared();
-        // A side of no length is its end: the share is no number, and clamped becomes 0.
-        (point - from - along * share.max(0.0).min(1.0)).length_squared()
+        // A side of no length is its end: a share that is no number is not above 0.
+        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+        (point - from - along * share).length_squared()
     };
     sides.into_iter().map(to_side).fold(f64::INFINITY, f64::min)
 }

@@ -87,7 +87,7 @@ fn a_cloud_stands_in_where_triangles_are_too_many() {
     let cloud = scatter(&surface, 16_384);
     let gather = Gather { graph: &graph, cloud: &cloud, density: 16_384.0 };
     let gauss = Gauss { center: DVec3::new(0.5, 0.5, 0.0), deviation: 0.1 };
-    let samples = gather.from_cloud(&gauss, 0);
+    let samples = gather.of_cloud(&gauss, 0);
     let mut marks = vec![0; 2];
     assert_eq!(graph.near(0, gauss.center, 0.3, 1, &mut marks), None);
     assert_eq!((graph.near(0, gauss.center, 0.3, 2, &mut marks), marks), (Some(vec![0, 1]), vec![0; 2]));
