@@ -4,14 +4,14 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::judge::{Meaning, degrees_between, object_normal};
+use super::histogram::Histogram;
+use super::judge::{Meaning, degrees_between, interpolated, object_normal};
 use super::origin::Origin;
 use super::points::SurfacePoint;
 use super::report::Fidelity;
 use super::seams::Converted;
 use super::texels::{CLAMPED, Texels, stored_components};
 use super::yardstick::{Extent, Yardstick};
-use crate::finished::Frame;
 use crate::image::Pixels;
 
 /// Random points of a material's surface, the same for all its channels: the PSNR's own error is then
@@ -22,7 +22,10 @@ pub const POINT_COUNT: usize = 65_536;
 const PSNR_CEILING_DB: f64 = 99.0;
 
 /// Points summed in one go; part of the order of summation, and so of the figures' last digits.
-const CHUNK: usize = 1024;
+const CHUNK: usize = 4096;
+
+/// The share of the errors that lie at or under the percentile.
+const P99: (u64, u64) = (99, 100);
 
 /// Compares at `points`; `None` where there are none.
 pub fn fidelity(
@@ -45,15 +48,17 @@ pub fn fidelity(
         yardstick: Yardstick::new(origin, area_texels, finest.texel_count(), bits),
     };
     let chunks: Vec<[Errors; 2]> = points.par_chunks(CHUNK).map(|points| comparison.errors(points)).collect();
-    let mut totals = [Errors::default(); 2];
-    for chunk in chunks {
-        totals.iter_mut().zip(chunk).for_each(|(total, errors)| total.join(errors));
+    let [mut ours, mut yardstick] = <[Errors; 2]>::default();
+    for chunk in &chunks {
+        ours.join(&chunk[0]);
+        yardstick.join(&chunk[1]);
     }
-    let [ours, yardstick] = totals;
     let is_normal = matches!(origin.meaning, Meaning::Normal { .. });
     Some(Fidelity {
         psnr_db: ours.psnr_db(),
         rms: ours.rms(is_normal),
+        p99: ours.sizes.percentile(P99),
+        max: ours.sizes.max(),
         yardstick_psnr_db: yardstick.psnr_db(),
         yardstick_rms: yardstick.rms(is_normal),
         point_count: points.len() as u64,
@@ -71,13 +76,12 @@ struct Comparison<'a> {
 impl Comparison<'_> {
     /// Of the conversion, and of the yardstick.
     fn errors(&self, points: &[SurfacePoint]) -> [Errors; 2] {
-        let mut sums = [Errors::default(); 2];
+        let mut sums = <[Errors; 2]>::default();
         let size_texels = self.source.size_texels();
         for point in points {
             let (number, triangle) = (point.part as usize, point.triangle as usize);
             let part = &self.converted.surface.parts[number];
-            let [a, b, c] = self.origin.corner_uvs(number, part.triangles[triangle]);
-            let place = (a * point.at.x + b * point.at.y + c * point.at.z) * size_texels;
+            let place = self.origin.place(number, part.triangles[triangle], point.at, size_texels);
             let wanted = self.source.bilinear(place);
             let ours = self.level.bilinear(part.placed[triangle].place_at(point.at, 0));
             let resampled = self.yardstick.bilinear(place);
@@ -106,16 +110,10 @@ impl Comparison<'_> {
     }
 }
 
-fn interpolated(frames: &[Frame; 3], at: Vec3) -> Frame {
-    let [a, b, c] = frames;
-    Frame {
-        normal: a.normal * at.x + b.normal * at.y + c.normal * at.z,
-        tangent: a.tangent * at.x + b.tangent * at.y + c.tangent * at.z,
-    }
-}
-
-#[derive(Clone, Copy, Default)]
+#[derive(Default)]
 struct Errors {
+    /// In the channel's unit: every component of every point, or every angle.
+    sizes: Histogram,
     squared_codes: f64,
     code_count: u64,
     squared_degrees: f64,
@@ -125,7 +123,9 @@ struct Errors {
 impl Errors {
     fn add_codes(&mut self, which: &[usize], a: [f32; 4], b: [f32; 4]) {
         for &component in which {
-            self.squared_codes += f64::from(a[component] - b[component]).powi(2);
+            let error = a[component] - b[component];
+            self.sizes.add(error.abs());
+            self.squared_codes += f64::from(error).powi(2);
             self.code_count += 1;
         }
     }
@@ -134,11 +134,14 @@ impl Errors {
     fn add_normals(&mut self, a: Vec3, b: Vec3) {
         self.squared_codes += f64::from(((a - b) * 127.5).length_squared());
         self.code_count += 3;
-        self.squared_degrees += f64::from(degrees_between(a, b)).powi(2);
+        let degrees = degrees_between(a, b);
+        self.sizes.add(degrees);
+        self.squared_degrees += f64::from(degrees).powi(2);
         self.normal_count += 1;
     }
 
-    fn join(&mut self, other: Self) {
+    fn join(&mut self, other: &Self) {
+        self.sizes.join(&other.sizes);
         self.squared_codes += other.squared_codes;
         self.code_count += other.code_count;
         self.squared_degrees += other.squared_degrees;

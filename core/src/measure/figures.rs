@@ -1,10 +1,11 @@
-//! Statistics of jumps along edges. Percentiles come from a histogram of 0.01 units, counted in integers;
+//! Statistics of jumps along edges. Percentiles come from a histogram;
 //! means are summed in the order of the edges in chunks whose bounds depend on the edges' number alone:
 //! the same figures with any number of threads.
 
 use rayon::prelude::*;
 
 use super::edges::EdgePair;
+use super::histogram::Histogram;
 use super::report::Figures;
 
 /// Points inside an edge, at (k + 1/2) / 17: no power of two divides 17, so they fall between texel
@@ -13,8 +14,6 @@ pub const INTERIOR: usize = 17;
 
 /// The interior points and the two ends.
 pub const SAMPLES: usize = INTERIOR + 2;
-
-const BINS_PER_UNIT: f32 = 100.0;
 
 /// Chunks an edge list is split into; fewer would leave processors idle, more would cost histograms.
 const CHUNKS: usize = 64;
@@ -38,10 +37,10 @@ pub struct Survey {
     pub edge_means: Vec<f32>,
 }
 
-/// Judges the pairs with the given indices.
+/// Judges the pairs with the given indices; `None` of `jumps` stands for no jump at any sample.
 pub fn survey<F>(pairs: &[EdgePair], which: &[u32], jumps: F) -> Survey
 where
-    F: Fn(&EdgePair) -> [f32; SAMPLES] + Sync,
+    F: Fn(&EdgePair) -> Option<[f32; SAMPLES]> + Sync,
 {
     let chunk = which.len().div_ceil(CHUNKS).max(64);
     let tallies: Vec<Tally> = which
@@ -50,7 +49,10 @@ where
             let mut tally = Tally::default();
             for &pair in which {
                 let pair = &pairs[pair as usize];
-                tally.add(&jumps(pair), pair.length);
+                match jumps(pair) {
+                    Some(jumps) => tally.add(&jumps, pair.length),
+                    None => tally.add_none(pair.length),
+                }
             }
             tally
         })
@@ -75,9 +77,7 @@ pub fn weighted_mean(pairs: &[EdgePair], which: &[u32], means: impl Iterator<Ite
 
 #[derive(Default)]
 struct Tally {
-    /// Samples by rounded hundredth of a unit.
-    bins: Vec<u64>,
-    max: f32,
+    jumps: Histogram,
     weighted_sum: f64,
     weight: f64,
     edge_means: Vec<f32>,
@@ -85,49 +85,34 @@ struct Tally {
 
 impl Tally {
     fn add(&mut self, jumps: &[f32; SAMPLES], length: f32) {
-        for &jump in jumps {
-            let bin = (jump * BINS_PER_UNIT + 0.5) as usize;
-            if bin >= self.bins.len() {
-                self.bins.resize(bin + 1, 0);
-            }
-            self.bins[bin] += 1;
-            self.max = self.max.max(jump);
-        }
+        jumps.iter().for_each(|&jump| self.jumps.add(jump));
         let mean = jumps[1..=INTERIOR].iter().sum::<f32>() / INTERIOR as f32;
         self.weighted_sum += f64::from(length) * f64::from(mean);
         self.weight += f64::from(length);
         self.edge_means.push(mean);
     }
 
+    /// The same as adding an edge whose jumps are all 0.
+    fn add_none(&mut self, length: f32) {
+        self.jumps.add_zeros(SAMPLES as u64);
+        self.weight += f64::from(length);
+        self.edge_means.push(0.0);
+    }
+
     fn join(&mut self, other: Self) {
-        if self.bins.len() < other.bins.len() {
-            self.bins.resize(other.bins.len(), 0);
-        }
-        self.bins.iter_mut().zip(&other.bins).for_each(|(sum, count)| *sum += count);
-        self.max = self.max.max(other.max);
+        self.jumps.join(&other.jumps);
         self.weighted_sum += other.weighted_sum;
         self.weight += other.weight;
         self.edge_means.extend(other.edge_means);
     }
 
     fn figures(&self) -> Figures {
-        let sample_count: u64 = self.bins.iter().sum();
-        let mean = if self.weight > 0.0 { self.weighted_sum / self.weight } else { 0.0 };
-        let max = f64::from(self.max);
-        Figures { max, p999: self.percentile(sample_count, P999).min(max), mean, sample_count }
-    }
-
-    /// The smallest value, in hundredths, that at least the given share of the samples does not exceed.
-    fn percentile(&self, sample_count: u64, (part, whole): (u64, u64)) -> f64 {
-        let wanted = (sample_count * part).div_ceil(whole);
-        let mut seen = 0;
-        for (bin, count) in self.bins.iter().enumerate() {
-            seen += count;
-            if seen >= wanted {
-                return bin as f64 / f64::from(BINS_PER_UNIT);
-            }
+        Figures {
+            max: self.jumps.max(),
+            p999: self.jumps.percentile(P999),
+            mean: if self.weight > 0.0 { self.weighted_sum / self.weight } else { 0.0 },
+            sample_count: self.jumps.count(),
         }
-        0.0
     }
 }
 
@@ -155,7 +140,7 @@ mod tests {
                 if edge < outliers {
                     jumps[4] = 40.0;
                 }
-                jumps
+                Some(jumps)
             })
             .figures
         };
@@ -167,7 +152,7 @@ mod tests {
 
     #[test]
     fn a_percentile_of_exactly_one_code_stays_one_code() {
-        let figures = survey(&[edge(1.0)], &[0], |_| [1.000_000_1; SAMPLES]).figures;
+        let figures = survey(&[edge(1.0)], &[0], |_| Some([1.000_000_1; SAMPLES])).figures;
         assert_eq!(figures.p999, 1.0);
     }
 
@@ -178,7 +163,7 @@ mod tests {
             let mut jumps = [if pair.length > 2.0 { 1.0 } else { 5.0 }; SAMPLES];
             jumps[0] = 100.0;
             jumps[SAMPLES - 1] = 100.0;
-            jumps
+            Some(jumps)
         });
         assert_eq!((result.figures.mean, result.figures.max), (2.0, 100.0));
         assert_eq!(result.edge_means, vec![1.0, 5.0]);
@@ -187,8 +172,19 @@ mod tests {
     }
 
     #[test]
+    fn no_jump_is_a_jump_of_nothing() {
+        let pairs = [edge(3.0), edge(1.0)];
+        let with = |nothing: Option<[f32; SAMPLES]>| {
+            survey(&pairs, &[0, 1], |pair| if pair.length > 2.0 { nothing } else { Some([2.0; SAMPLES]) })
+        };
+        let (short, long) = (with(None), with(Some([0.0; SAMPLES])));
+        assert_eq!((short.figures, short.edge_means), (long.figures, long.edge_means));
+        assert_eq!((short.figures.mean, short.figures.sample_count), (0.5, 38));
+    }
+
+    #[test]
     fn no_edges_no_figures() {
-        assert_eq!(survey(&[], &[], |_| [0.0; SAMPLES]).figures, Figures::default());
+        assert_eq!(survey(&[], &[], |_| None).figures, Figures::default());
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
+use super::surface::{self, Surface};
 use crate::asset::{Asset, Face, Material, Mesh, Primitive, Slot, TextureRef, UvTransform};
 use crate::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame, PrimitiveCuts};
 use crate::image::{Image, Pixels, Transfer, Wrap};
@@ -73,6 +74,16 @@ pub fn finished_by_triangle(slot: Slot, value: impl Fn(usize, Vec3) -> [u8; 3]) 
             cuts: vec![PrimitiveCuts { texture: 0, bits: vec![0; 2] }],
         }],
     }
+}
+
+/// The surface of material 0 of a conversion.
+pub fn surface_of<'a>(asset: &'a Asset, finished: &'a Finished) -> Surface<'a> {
+    Surface::of_finished(asset, &surface::by_material(asset, finished)[0], 0).unwrap()
+}
+
+/// The surface of material 0 of a plain model.
+pub fn source_surface(asset: &Asset) -> Surface<'_> {
+    Surface::of_source(surface::of_source(asset).swap_remove(0), 0)
 }
 
 pub fn image(size: [u32; 2], value: impl Fn(u32, u32) -> [u8; 3]) -> Image {

@@ -1,11 +1,11 @@
 //! What two sides of an edge, or two versions of a point, differ by: decoded and filtered as a GPU does
 //! it, then compared in codes, or in degrees between object-space normals.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::figures::{self, SAMPLES};
 use super::report::Unit;
-use super::texels::{Texels, encode_codes, stored_components};
+use super::texels::{Texels, cell_of, encode_codes, mixed, stored_components};
 use crate::finished::Frame;
 use crate::image::Transfer;
 
@@ -45,7 +45,9 @@ pub fn object_normal(texel: [f32; 4], scale: f32, frame: &Frame) -> Vec3 {
     let [x, y, z, _] = texel.map(|value| 2.0 * value - 1.0);
     let normal = frame.normal.normalize_or(Vec3::Z);
     let tangent = frame.tangent.truncate();
-    let tangent = (tangent - normal * normal.dot(tangent)).normalize_or(normal.any_orthonormal_vector());
+    let tangent = (tangent - normal * normal.dot(tangent))
+        .try_normalize()
+        .unwrap_or_else(|| normal.any_orthonormal_vector());
     let bitangent = normal.cross(tangent) * if frame.tangent.w < 0.0 { -1.0 } else { 1.0 };
     (tangent * (x * scale) + bitangent * (y * scale) + normal * z).normalize_or(normal)
 }
@@ -57,6 +59,15 @@ pub fn degrees_between(a: Vec3, b: Vec3) -> f32 {
 
 pub fn mixed_frame(a: &Frame, b: &Frame, t: f32) -> Frame {
     Frame { normal: a.normal.lerp(b.normal, t), tangent: a.tangent.lerp(b.tangent, t) }
+}
+
+/// The frame at barycentrics of a triangle.
+pub fn interpolated(frames: &[Frame; 3], at: Vec3) -> Frame {
+    let [a, b, c] = frames;
+    Frame {
+        normal: a.normal * at.x + b.normal * at.y + c.normal * at.z,
+        tangent: a.tangent * at.x + b.tangent * at.y + c.tangent * at.z,
+    }
 }
 
 /// One side of an edge: where its points stand in an image, `(from + (to - from) t) · scale + shift`.
@@ -76,6 +87,19 @@ impl Track {
         let here = if t == 1.0 { self.to } else { self.from + (self.to - self.from) * t };
         here * self.scale + self.shift
     }
+
+    /// The texels that the side reads, as the first one, the step and their count: where both ends are
+    /// texel centers of one row or column.
+    fn run(&self) -> Option<([i32; 2], [i32; 2], i32)> {
+        let ([from, to], parts): ([[i32; 2]; 2], Vec2) = {
+            let ((from, part_from), (to, part_to)) = (cell_of(self.at(0.0)), cell_of(self.at(1.0)));
+            ([from, to], part_from.max(part_to))
+        };
+        let [right, down] = [i64::from(to[0]) - i64::from(from[0]), i64::from(to[1]) - i64::from(from[1])];
+        let is_straight = parts == Vec2::ZERO && (right == 0) != (down == 0);
+        let count = i32::try_from(right.abs().max(down.abs()) + 1).ok()?;
+        is_straight.then(|| (from, [right.signum() as i32, down.signum() as i32], count))
+    }
 }
 
 /// One level image of a channel.
@@ -88,22 +112,60 @@ pub struct Judge<'a> {
 
 impl Judge<'_> {
     /// The difference of two sides at each sample of an edge, largest over the components.
-    pub fn jumps(&self, a: &Track, b: &Track) -> [f32; SAMPLES] {
-        if a == b {
-            // The same texels with the same weights: nothing to fetch.
-            return [0.0; SAMPLES];
+    /// `None` stands for no difference at any of them.
+    pub fn jumps(&self, a: &Track, b: &Track) -> Option<[f32; SAMPLES]> {
+        if a == b || self.is_one_row(a, b) {
+            return None;
         }
-        std::array::from_fn(|sample| {
-            let t = figures::position(sample);
-            let (left, right) = (self.texels.bilinear(a.at(t)), self.texels.bilinear(b.at(t)));
-            match (self.meaning, &a.frames, &b.frames) {
-                (Meaning::Normal { scale }, Some(of_a), Some(of_b)) => degrees_between(
-                    object_normal(left, scale, &mixed_frame(&of_a[0], &of_a[1], t)),
-                    object_normal(right, scale, &mixed_frame(&of_b[0], &of_b[1], t)),
-                ),
-                _ => self.difference_codes(left, right),
+        let (left, right) = (self.along(a), self.along(b));
+        let mut jumps = [0.0; SAMPLES];
+        if let (Meaning::Normal { scale }, Some(of_a), Some(of_b)) = (self.meaning, &a.frames, &b.frames) {
+            for (sample, jump) in jumps.iter_mut().enumerate() {
+                let t = figures::position(sample);
+                let frames = (mixed_frame(&of_a[0], &of_a[1], t), mixed_frame(&of_b[0], &of_b[1], t));
+                let (left, right) = (left[sample].to_array(), right[sample].to_array());
+                if left != right || frames.0 != frames.1 {
+                    let normals =
+                        (object_normal(left, scale, &frames.0), object_normal(right, scale, &frames.1));
+                    *jump = degrees_between(normals.0, normals.1);
+                }
             }
-        })
+        } else {
+            for ((left, right), jump) in left.iter().zip(&right).zip(&mut jumps) {
+                *jump = self.difference_codes(left.to_array(), right.to_array());
+            }
+        }
+        Some(jumps)
+    }
+
+    /// The filtered values at the samples of one side; the texels of a cell are decoded once.
+    fn along(&self, track: &Track) -> [Vec4; SAMPLES] {
+        let mut values = [Vec4::ZERO; SAMPLES];
+        let (mut known, part) = cell_of(track.at(0.0));
+        let mut corners = self.texels.corners(known);
+        values[0] = mixed(&corners, part);
+        for (sample, value) in values.iter_mut().enumerate().skip(1) {
+            let (cell, part) = cell_of(track.at(figures::position(sample)));
+            if cell != known {
+                known = cell;
+                corners = self.texels.corners(cell);
+            }
+            *value = mixed(&corners, part);
+        }
+        values
+    }
+
+    /// Whether both sides run from texel center to texel center along rows or columns that hold the same
+    /// codes: filtering reads nothing else there, with the same weights on both sides.
+    fn is_one_row(&self, a: &Track, b: &Track) -> bool {
+        match (a.run(), b.run()) {
+            (Some((from_a, step_a, count_a)), Some((from_b, step_b, count_b))) => {
+                a.frames == b.frames
+                    && count_a == count_b
+                    && self.texels.equal_runs((from_a, step_a), (from_b, step_b), count_a)
+            }
+            _ => false,
+        }
     }
 
     fn difference_codes(&self, left: [f32; 4], right: [f32; 4]) -> f32 {

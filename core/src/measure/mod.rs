@@ -4,14 +4,18 @@
 //! [`converted`], [`converted_file`] and [`source`] are the ways in, [`verdict`] holds the figures against
 //! the bundle's guarantees.
 
+mod averages;
 mod edges;
 mod fidelity;
 mod figures;
 mod focus;
+mod graph;
 #[cfg(test)]
 mod hand_made;
+mod histogram;
 mod judge;
 mod layout;
+mod mip_error;
 mod mips;
 mod origin;
 mod points;

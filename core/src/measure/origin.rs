@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 
 use super::edges::{EdgePair, Side};
 use super::figures::{Survey, survey, weighted_mean};
@@ -76,6 +76,12 @@ impl<'a> Origin<'a> {
 
     pub fn corner_uvs(&self, part: usize, vertices: [u32; 3]) -> [Vec2; 3] {
         vertices.map(|vertex| self.uvs[part][vertex as usize])
+    }
+
+    /// Where a point stands in the image, texels.
+    pub fn place(&self, part: usize, vertices: [u32; 3], at: Vec3, size_texels: Vec2) -> Vec2 {
+        let [a, b, c] = self.corner_uvs(part, vertices);
+        (a * at.x + b * at.y + c * at.z) * size_texels
     }
 
     pub fn corner_frames(&self, part: usize, triangle: usize) -> Option<&[Frame; 3]> {

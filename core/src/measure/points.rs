@@ -62,13 +62,18 @@ fn uniform(counter: u64, dimension: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::asset::{Asset, Face, Mesh, Primitive};
+    use crate::asset::{Asset, Face, Material, Mesh, Primitive};
+    use crate::measure::hand_made::source_surface;
 
     fn asset(positions: Vec<Vec3>) -> Asset {
         let faces =
             (0..positions.len() as u32 / 3).map(|i| Face::triangle([3 * i, 3 * i + 1, 3 * i + 2])).collect();
         let primitive = Primitive { material: Some(0), positions, faces, ..Primitive::default() };
-        Asset { meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }], ..Asset::default() }
+        Asset {
+            materials: vec![Material::default()],
+            meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }],
+            ..Asset::default()
+        }
     }
 
     #[test]
@@ -77,7 +82,7 @@ mod tests {
         let needle = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0];
         let small = [Vec3::ZERO, Vec3::X, Vec3::Y];
         let model = asset([wide, needle, small].concat());
-        let surface = Surface::of_source(&model, 0);
+        let surface = source_surface(&model);
         let points = scatter(&surface, 4096);
         let count = |triangle| points.iter().filter(|point| point.triangle == triangle).count();
         assert_eq!((count(0), count(1), count(2)), (3072, 0, 1024));
@@ -90,6 +95,6 @@ mod tests {
     #[test]
     fn no_area_no_points() {
         let model = asset(vec![Vec3::ONE; 3]);
-        assert!(scatter(&Surface::of_source(&model, 0), 16).is_empty());
+        assert!(scatter(&source_surface(&model), 16).is_empty());
     }
 }

@@ -96,6 +96,23 @@ pub struct LevelReport {
     pub drift: Option<f64>,
     /// The same figures of the source with ordinary mip maps, at its level of this number.
     pub source: Option<SourceLevel>,
+    /// How far the level is from the source's mean over the surface around a point. Absent at level 0,
+    /// which `fidelity` judges, and without a source.
+    #[serde(default)]
+    pub mip_error: Option<MipError>,
+}
+
+/// A level beside a Gaussian average of the full-resolution source over the surface, at probe points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MipError {
+    /// Root mean square, in the channel's unit; for colors and data over all components.
+    pub rms: f64,
+    /// 99th percentile of the same errors.
+    pub p99: f64,
+    pub probe_count: u64,
+    /// What the averages themselves are off by (standard error, root mean square over the probes), in the
+    /// channel's unit: they are sums over finitely many points. It is part of `rms`, in square.
+    pub reference_error: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -124,6 +141,12 @@ pub struct Fidelity {
     pub psnr_db: f64,
     /// Root mean square error in the channel's unit.
     pub rms: f64,
+    /// 99th percentile and largest of the errors that `rms` is the root mean square of: for colors and
+    /// data one for each component of each point, for normals one angle for each point.
+    #[serde(default)]
+    pub p99: f64,
+    #[serde(default)]
+    pub max: f64,
     /// What one bilinear resampling of the source onto a grid turned by 27° gives at as many texels.
     pub yardstick_psnr_db: f64,
     pub yardstick_rms: f64,

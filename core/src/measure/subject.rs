@@ -4,6 +4,7 @@
 use super::fidelity::{self, fidelity};
 use super::figures::weighted_mean;
 use super::focus::{self, Candidate, Focus};
+use super::mip_error::Averages;
 use super::origin::{Origin, SourceSeams, meaning};
 use super::report::{
     ChannelReport, CutShare, Growth, LayoutReport, LevelReport, SolverReport, SourceLevel, Unit,
@@ -11,7 +12,7 @@ use super::report::{
 use super::seams::{self, Converted};
 use super::surface::Surface;
 use super::yardstick::Extent;
-use super::{layout, mips, points};
+use super::{layout, mips, points, surface};
 use crate::asset::{Asset, Slot};
 use crate::error::{Error, Result};
 use crate::finished::{Finished, FinishedTexture};
@@ -20,6 +21,11 @@ use crate::watch::{self, Watch};
 
 /// Levels of the source that a close-up names.
 const FOCUS_LEVELS: usize = 8;
+
+/// Probes of mip errors: for a material, and for all together as far as the least of each allows.
+const PROBES_MOST: usize = 256;
+const PROBES_LEAST: usize = 32;
+const PROBES_OF_ALL: usize = 2048;
 
 /// What only the conversion knows, copied into the reports as it stands.
 #[derive(Clone, Debug, Default)]
@@ -66,6 +72,14 @@ struct Subject<'a> {
     watch: &'a dyn Watch,
 }
 
+/// What a material's channels have in common.
+struct Shared<'a> {
+    surface: &'a Surface<'a>,
+    /// Where fidelity is judged; empty without a source.
+    points: &'a [points::SurfacePoint],
+    averages: Option<&'a Averages>,
+}
+
 impl Subject<'_> {
     fn measured(&self) -> Result<Measured> {
         let textures = &self.finished.textures;
@@ -75,20 +89,32 @@ impl Subject<'_> {
         let mut channels: Vec<Option<ChannelReport>> = vec![None; textures.len()];
         let mut layouts = Vec::new();
         let mut best = None;
+        let parts = surface::by_material(self.asset, self.finished);
+        let probe_count = (PROBES_OF_ALL / materials.len().max(1)).clamp(PROBES_LEAST, PROBES_MOST);
         for material in materials {
             watch::check(self.watch)?;
-            let surface = Surface::of_finished(self.asset, self.finished, material)?;
+            self.watch.step(Some("layout"));
+            let written = parts.get(material).map_or(&[][..], Vec::as_slice);
+            let surface = Surface::of_finished(self.asset, written, material)?;
             let counts = self.extras.sample_counts.iter().find(|(of, _)| *of == material);
             let counts = counts.map(|(_, counts)| counts.as_slice());
             layouts.push(layout::report(self.asset, self.finished, &surface, counts));
-            let points =
-                if self.has_source { points::scatter(&surface, fidelity::POINT_COUNT) } else { Vec::new() };
-            for (number, texture) in textures.iter().enumerate().filter(|(_, t)| t.material == material) {
-                let (channel, candidate) = self.channel(number, texture, &surface, &points)?;
+            let of_material = || textures.iter().enumerate().filter(|(_, t)| t.material == material);
+            let (mut points, mut averages) = (Vec::new(), None);
+            if self.has_source {
+                self.watch.step(Some("mip_error"));
+                points = points::scatter(&surface, fidelity::POINT_COUNT);
+                let level_count = of_material().map(|(_, texture)| texture.levels.len()).max().unwrap_or(0);
+                averages = Some(Averages::new(&surface, &points, probe_count, level_count));
+            }
+            let shared = Shared { surface: &surface, points: &points, averages: averages.as_ref() };
+            for (number, texture) in of_material() {
+                let (channel, candidate) = self.channel(number, texture, &shared)?;
                 channels[number] = Some(channel);
                 best = Candidate::better(best, candidate);
             }
         }
+        self.watch.step(None);
         Ok(Measured {
             channels: channels.into_iter().flatten().collect(),
             layouts,
@@ -100,9 +126,9 @@ impl Subject<'_> {
         &self,
         number: usize,
         texture: &FinishedTexture,
-        surface: &Surface<'_>,
-        points: &[points::SurfacePoint],
+        shared: &Shared<'_>,
     ) -> Result<(ChannelReport, Option<Candidate>)> {
+        let surface = shared.surface;
         let (Some(&slot), Some(finest)) = (texture.slots.first(), texture.levels.first()) else {
             return Err(Error::internal(format!("finished texture {number} has no slot or no level")));
         };
@@ -111,6 +137,7 @@ impl Subject<'_> {
         converted.check()?;
         let origin = if self.has_source { Origin::new(self.asset, surface, slot)? } else { None };
         let level_limit = texture.levels.len().max(FOCUS_LEVELS);
+        self.watch.step(Some("source"));
         let source = match &origin {
             Some(origin) => Some(SourceSeams::survey(origin, surface, level_limit, self.watch)?),
             None => None,
@@ -120,9 +147,16 @@ impl Subject<'_> {
         channel.unit = converted.meaning.unit();
         let seam = source.as_ref().map_or(&[][..], |source| &source.seam);
         channel.cuts = seams::cut_share(surface, seam, &cut_flags);
+        self.watch.step(Some("seams"));
         channel.levels = self.levels(&converted, source.as_ref(), &cut_flags)?;
-        channel.fidelity =
-            origin.as_ref().and_then(|origin| fidelity(origin, &converted, points, self.extras.yardstick));
+        if let Some(origin) = &origin {
+            self.watch.step(Some("fidelity"));
+            channel.fidelity = fidelity(origin, &converted, shared.points, self.extras.yardstick);
+            self.watch.step(Some("mip_error"));
+            let errors = shared.averages.map(|averages| averages.mip_errors(origin, &converted, &cut_flags));
+            let beyond_first = channel.levels.iter_mut().skip(1);
+            beyond_first.zip(errors.into_iter().flatten()).for_each(|(level, error)| level.mip_error = error);
+        }
         channel.solver = self.extras.solver.get(number).cloned().unwrap_or_default();
         let candidate = source.as_ref().and_then(|source| {
             let kind = (channel.unit, texture.slots.contains(&Slot::BaseColor));
@@ -151,6 +185,7 @@ impl Subject<'_> {
                 seams,
                 drift: weighted_mean(&surface.pairs, &agreed, means.into_iter()),
                 source: source.and_then(|source| source.report(surface, number)),
+                mip_error: None,
             });
         }
         Ok(levels)
@@ -163,8 +198,8 @@ impl Subject<'_> {
 /// `Canceled`.
 pub fn source(asset: &Asset, watch: &dyn Watch) -> Result<Measured> {
     let mut measured = Measured::default();
-    for (number, material) in asset.materials.iter().enumerate() {
-        let surface = Surface::of_source(asset, number);
+    for (number, (material, parts)) in asset.materials.iter().zip(surface::of_source(asset)).enumerate() {
+        let surface = Surface::of_source(parts, number);
         if surface.parts.is_empty() {
             continue;
         }
@@ -184,6 +219,7 @@ pub fn source(asset: &Asset, watch: &dyn Watch) -> Result<Measured> {
                     seams,
                     drift,
                     source: None,
+                    mip_error: None,
                 })
                 .collect();
             measured.channels.push(channel);

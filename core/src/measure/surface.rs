@@ -42,22 +42,26 @@ pub struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    pub fn of_source(asset: &'a Asset, material: usize) -> Self {
-        let mut parts = Vec::new();
-        for (mesh, primitive, geometry) in primitives(asset) {
-            if geometry.material == Some(material) && !geometry.faces.is_empty() {
-                let triangles = fan(geometry).map(|(_, triangle)| triangle).collect();
-                parts.push(Part { mesh, primitive, geometry, triangles, placed: &[], finished: None });
-            }
-        }
-        Self::joined(material, parts)
+    /// `primitives` are the material's, see [`of_source`].
+    pub fn of_source(primitives: Vec<(usize, usize, &'a Primitive)>, material: usize) -> Self {
+        let part = |(mesh, primitive, geometry)| {
+            let triangles = fan(geometry).map(|(_, triangle)| triangle).collect();
+            Part { mesh, primitive, geometry, triangles, placed: &[], finished: None }
+        };
+        Self::joined(material, primitives.into_iter().map(part).collect())
     }
 
+    /// `primitives` are the material's, see [`by_material`].
+    ///
     /// # Errors
     /// `InvalidModel` where the conversion does not fit the asset it is about.
-    pub fn of_finished(asset: &'a Asset, finished: &'a Finished, material: usize) -> Result<Self> {
-        let mut parts = Vec::new();
-        for written in finished.primitives.iter().filter(|written| written.material == material) {
+    pub fn of_finished(
+        asset: &'a Asset,
+        primitives: &[&'a FinishedPrimitive],
+        material: usize,
+    ) -> Result<Self> {
+        let mut parts = Vec::with_capacity(primitives.len());
+        for &written in primitives {
             let at = format!("/meshes/{}/primitives/{}", written.mesh, written.primitive);
             let geometry = asset
                 .meshes
@@ -111,10 +115,29 @@ impl<'a> Surface<'a> {
     }
 }
 
-fn primitives(asset: &Asset) -> impl Iterator<Item = (usize, usize, &Primitive)> {
-    asset.meshes.iter().enumerate().flat_map(|(mesh, content)| {
-        content.primitives.iter().enumerate().map(move |(number, primitive)| (mesh, number, primitive))
-    })
+/// The primitives with faces of each of a plain model's materials, as mesh, primitive and geometry.
+pub fn of_source(asset: &Asset) -> Vec<Vec<(usize, usize, &Primitive)>> {
+    let mut groups = vec![Vec::new(); asset.materials.len()];
+    for (mesh, content) in asset.meshes.iter().enumerate() {
+        for (number, primitive) in content.primitives.iter().enumerate() {
+            let group = primitive.material.and_then(|material| groups.get_mut(material));
+            if let Some(group) = group.filter(|_| !primitive.faces.is_empty()) {
+                group.push((mesh, number, primitive));
+            }
+        }
+    }
+    groups
+}
+
+/// The converted primitives of each of the model's materials.
+pub fn by_material<'f>(asset: &Asset, finished: &'f Finished) -> Vec<Vec<&'f FinishedPrimitive>> {
+    let mut groups = vec![Vec::new(); asset.materials.len()];
+    for written in &finished.primitives {
+        if let Some(group) = groups.get_mut(written.material) {
+            group.push(written);
+        }
+    }
+    groups
 }
 
 /// The triangles that a primitive's faces are drawn as, each with its face.

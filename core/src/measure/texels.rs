@@ -5,7 +5,7 @@
 
 use std::sync::LazyLock;
 
-use glam::Vec2;
+use glam::{Vec2, Vec3, Vec4};
 
 use crate::image::{Image, Pixels, Transfer, Wrap, WrapMode};
 
@@ -85,54 +85,90 @@ impl<'a> Texels<'a> {
 
     /// The bilinear value at a place in texels (centers at `.5`): red, green, blue, alpha; gray stands
     /// in all three, and alpha is 1 where there is none.
-    pub fn bilinear(&self, at_texels: Vec2) -> [f32; 4] {
-        match &self.image.pixels {
-            Pixels::U8(codes) => self.mix(codes, at_texels),
-            Pixels::U16(codes) => self.mix(codes, at_texels),
-        }
-    }
-
-    fn mix<T: Copy + Into<usize>>(&self, codes: &[T], at: Vec2) -> [f32; 4] {
-        match self.image.components {
-            1 => {
-                let [gray] = self.mixed::<T, 1>(codes, at);
-                [gray, gray, gray, 1.0]
-            }
-            2 => {
-                let [gray, alpha] = self.mixed::<T, 2>(codes, at);
-                [gray, gray, gray, alpha]
-            }
-            3 => {
-                let [red, green, blue] = self.mixed::<T, 3>(codes, at);
-                [red, green, blue, 1.0]
-            }
-            _ => self.mixed::<T, 4>(codes, at),
-        }
-    }
-
     #[inline]
-    fn mixed<T: Copy + Into<usize>, const N: usize>(&self, codes: &[T], at: Vec2) -> [f32; N] {
+    pub fn bilinear(&self, at_texels: Vec2) -> [f32; 4] {
+        let (cell, part) = cell_of(at_texels);
+        mixed(&self.corners(cell), part).to_array()
+    }
+
+    /// The decoded texels around a cell: those that stand at its number, one to the right, one below,
+    /// and both. Whoever follows a line fetches them once for each cell.
+    #[inline]
+    pub fn corners(&self, [x, y]: [i32; 2]) -> [Vec4; 4] {
         let [width, height] = self.image.size();
-        let (columns, x) = neighbors(at.x, self.wrap.s, width);
-        let (rows, y) = neighbors(at.y, self.wrap.t, height);
-        let rows = rows.map(|row| row * width as usize);
-        let start = |row: usize, column: usize| (row + column) * N;
-        let [a, b] = columns.map(|column| &codes[start(rows[0], column)..][..N]);
-        let [c, d] = columns.map(|column| &codes[start(rows[1], column)..][..N]);
-        std::array::from_fn(|i| {
-            let is_alpha = (N == 2 || N == 4) && i == N - 1;
-            let table = if is_alpha { self.plain } else { self.color };
-            let [a, b, c, d] = [a[i], b[i], c[i], d[i]].map(|code| table[code.into()]);
-            let top = a + (b - a) * x;
-            let bottom = c + (d - c) * x;
-            top + (bottom - top) * y
-        })
+        let columns = neighbors(x, self.wrap.s, width);
+        let rows = neighbors(y, self.wrap.t, height).map(|row| row * width as usize);
+        let at = [rows[0] + columns[0], rows[0] + columns[1], rows[1] + columns[0], rows[1] + columns[1]];
+        match &self.image.pixels {
+            Pixels::U8(codes) => self.four(codes, at),
+            Pixels::U16(codes) => self.four(codes, at),
+        }
+    }
+
+    #[inline(always)]
+    fn four<T: Copy + Into<usize>>(&self, codes: &[T], [a, b, c, d]: [usize; 4]) -> [Vec4; 4] {
+        [self.decoded(codes, a), self.decoded(codes, b), self.decoded(codes, c), self.decoded(codes, d)]
+    }
+
+    #[inline(always)]
+    fn decoded<T: Copy + Into<usize>>(&self, codes: &[T], texel: usize) -> Vec4 {
+        let color = |code: T| self.color[code.into()];
+        let plain = |code: T| self.plain[code.into()];
+        match self.image.components {
+            1 => Vec3::splat(color(codes[texel])).extend(1.0),
+            2 => match codes[texel * 2..][..2] {
+                [gray, alpha] => Vec3::splat(color(gray)).extend(plain(alpha)),
+                _ => Vec4::ZERO,
+            },
+            3 => match codes[texel * 3..][..3] {
+                [red, green, blue] => Vec4::new(color(red), color(green), color(blue), 1.0),
+                _ => Vec4::ZERO,
+            },
+            _ => match codes[texel * 4..][..4] {
+                [red, green, blue, alpha] => Vec4::new(color(red), color(green), color(blue), plain(alpha)),
+                _ => Vec4::ZERO,
+            },
+        }
+    }
+
+    /// Whether two straight runs of `count` texels, each given by its first and its step, hold the same
+    /// codes. False where a run leaves the image.
+    pub fn equal_runs(&self, a: ([i32; 2], [i32; 2]), b: ([i32; 2], [i32; 2]), count: i32) -> bool {
+        match &self.image.pixels {
+            Pixels::U8(codes) => self.equal_codes(codes, a, b, count),
+            Pixels::U16(codes) => self.equal_codes(codes, a, b, count),
+        }
+    }
+
+    fn equal_codes<T: Copy + PartialEq>(
+        &self,
+        codes: &[T],
+        a: ([i32; 2], [i32; 2]),
+        b: ([i32; 2], [i32; 2]),
+        count: i32,
+    ) -> bool {
+        let size = self.image.size().map(i64::from);
+        let components = usize::from(self.image.components);
+        let texel = |([x, y], [right, down]): ([i32; 2], [i32; 2]), step: i32| {
+            let at = |from: i32, by: i32| i64::from(from) + i64::from(by) * i64::from(step);
+            let (x, y) = (at(x, right), at(y, down));
+            let is_inside = (0..size[0]).contains(&x) && (0..size[1]).contains(&y);
+            is_inside.then(|| &codes[(y * size[0] + x) as usize * components..][..components])
+        };
+        (0..count)
+            .all(|step| matches!((texel(a, step), texel(b, step)), (Some(a), Some(b)) if a.iter().eq(b)))
     }
 }
 
-/// The two texels along one axis that a place lies between, and the second one's weight.
+/// The cell between texel centers that a place lies in, and where in it, 0 to 1.
 #[inline]
-fn neighbors(place_texels: f32, mode: WrapMode, size: u32) -> ([usize; 2], f32) {
+pub fn cell_of(at_texels: Vec2) -> ([i32; 2], Vec2) {
+    let ((x, part_x), (y, part_y)) = (cell_along(at_texels.x), cell_along(at_texels.y));
+    ([x, y], Vec2::new(part_x, part_y))
+}
+
+#[inline]
+fn cell_along(place_texels: f32) -> (i32, f32) {
     // Places that still have a texel number.
     const FAR_TEXELS: f32 = 1e9;
     #[expect(clippy::manual_clamp, reason = "clamp keeps NaN; in this order it becomes a number")]
@@ -140,13 +176,25 @@ fn neighbors(place_texels: f32, mode: WrapMode, size: u32) -> ([usize; 2], f32) 
     // The floor, without a call where the processor's own is not to be counted on.
     let toward_zero = from_center as i32;
     let first = if toward_zero as f32 > from_center { toward_zero - 1 } else { toward_zero };
-    let part = from_center - first as f32;
+    (first, from_center - first as f32)
+}
+
+/// The bilinear value inside a cell.
+#[inline]
+pub fn mixed([a, b, c, d]: &[Vec4; 4], part: Vec2) -> Vec4 {
+    let top = *a + (*b - *a) * part.x;
+    let bottom = *c + (*d - *c) * part.x;
+    top + (bottom - top) * part.y
+}
+
+/// A texel along one axis and the next one, wrapped.
+#[inline]
+fn neighbors(first: i32, mode: WrapMode, size: u32) -> [usize; 2] {
     // Most fetches fall inside, and the remainder of wide integers is slow.
     if first >= 0 && i64::from(first) + 1 < i64::from(size) {
-        return ([first as usize, first as usize + 1], part);
+        return [first as usize, first as usize + 1];
     }
-    let wrapped = |at: i64| mode.apply(at, size) as usize;
-    ([wrapped(i64::from(first)), wrapped(i64::from(first) + 1)], part)
+    [i64::from(first), i64::from(first) + 1].map(|at| mode.apply(at, size) as usize)
 }
 
 /// The components that an image of this many stores, of red, green, blue, alpha.

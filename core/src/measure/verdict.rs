@@ -99,6 +99,7 @@ mod tests {
             seams: Some(Figures { max, p999, mean: 0.0, sample_count: 19_000 }),
             drift: None,
             source: None,
+            mip_error: None,
         };
         ChannelReport {
             material: 2,

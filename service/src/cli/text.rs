@@ -157,6 +157,7 @@ pub(super) fn sample_report() -> Report {
                 seams: seams(0.5),
                 drift: Some(0.25),
                 source: Some(SourceLevel { size: [128, 128], seams: seams(31.0), drift: None }),
+                mip_error: None,
             }],
             fidelity: None,
             solver: vec![],

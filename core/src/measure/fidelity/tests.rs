@@ -1,14 +1,13 @@
 use super::*;
 use crate::asset::{Asset, Slot};
 use crate::image::Image;
-use crate::measure::hand_made::{finished, image, square};
+use crate::measure::hand_made::{finished, image, square, surface_of};
 use crate::measure::points::scatter;
-use crate::measure::surface::Surface;
 use glam::Vec3;
 
 fn measured(asset: &Asset, value: impl Fn(Vec3) -> [u8; 3], extent: Extent) -> Fidelity {
     let conversion = finished(Slot::Occlusion, value);
-    let surface = Surface::of_finished(asset, &conversion, 0).unwrap();
+    let surface = surface_of(asset, &conversion);
     let origin = Origin::new(asset, &surface, Slot::Occlusion).unwrap().unwrap();
     let converted = Converted { surface: &surface, texture: &conversion.textures[0], meaning: Meaning::Data };
     fidelity(&origin, &converted, &scatter(&surface, 4096), extent).unwrap()

@@ -3,13 +3,13 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::asset::Slot;
-use crate::measure::hand_made::{finished, image, square};
+use crate::measure::hand_made::{finished, image, square, surface_of};
 
 #[test]
 fn lone_triangles_use_half_a_block_and_their_border() {
     let asset = square(Slot::Occlusion, image([4, 4], |_, _| [0; 3]));
     let conversion = finished(Slot::Occlusion, |_| [0; 3]);
-    let surface = Surface::of_finished(&asset, &conversion, 0).unwrap();
+    let surface = surface_of(&asset, &conversion);
     let report = report(&asset, &conversion, &surface, None);
     // 15 samples and 4 border texels, twice, of 50; 6 and 2 of 18; 3 and 1 of 8.
     let waste: Vec<f64> = report.levels.iter().map(|level| level.waste).collect();
@@ -26,7 +26,7 @@ fn a_merged_pair_is_told_by_its_texels() {
     let [first, second] = &mut conversion.primitives[0].triangles[..] else { panic!() };
     second.scaled = [Vec2::splat(4.0), first.scaled[2], first.scaled[1]];
     second.offset = first.offset;
-    let surface = Surface::of_finished(&asset, &conversion, 0).unwrap();
+    let surface = surface_of(&asset, &conversion);
     let report = report(&asset, &conversion, &surface, None);
     assert_eq!((report.merged_pair_count, report.lone_triangle_count, report.quad_count), (1, 0, 0));
     assert_eq!(report.levels[0].waste, 1.0 - 25.0 / 50.0);

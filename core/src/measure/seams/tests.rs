@@ -1,6 +1,6 @@
 use super::*;
 use crate::asset::Slot;
-use crate::measure::hand_made::{finished, image, square};
+use crate::measure::hand_made::{finished, image, source_surface, square, surface_of};
 
 #[test]
 fn an_edge_of_many_faces_counts_once() {
@@ -8,7 +8,7 @@ fn an_edge_of_many_faces_counts_once() {
     let primitive = &mut asset.meshes[0].primitives[0];
     primitive.faces.push(primitive.faces[1]);
     primitive.faces.push(primitive.faces[1]);
-    let surface = Surface::of_source(&asset, 0);
+    let surface = source_surface(&asset);
     // The diagonal with four faces, and two other edges of three equal triangles with two pairs each.
     assert_eq!(surface.pairs.len(), 3 + 2 + 2);
     let diagonal: Vec<u32> = (0..7).filter(|&pair| surface.pairs[pair as usize].a.triangle == 0).collect();
@@ -30,12 +30,12 @@ fn triangles_that_read_the_same_texels_have_no_jump() {
     twins.primitives[0].triangles[1].scaled = first.scaled;
     twins.primitives[0].triangles[1].scaled.swap(1, 2);
     twins.primitives[0].triangles[1].offset = first.offset;
-    let surface = Surface::of_finished(&asset, &twins, 0).unwrap();
+    let surface = surface_of(&asset, &twins);
     let converted = Converted { surface: &surface, texture: &twins.textures[0], meaning: Meaning::Data };
     // Vertices 5, 4, 3: the diagonal runs from its second corner to its third.
     assert!(converted.survey(0, &[0]).figures.max < 1e-3);
     twins.primitives[0].triangles[1].scaled.swap(1, 2);
-    let surface = Surface::of_finished(&asset, &twins, 0).unwrap();
+    let surface = surface_of(&asset, &twins);
     let converted = Converted { surface: &surface, texture: &twins.textures[0], meaning: Meaning::Data };
     assert!((converted.survey(0, &[0]).figures.max - 200.0).abs() < 1e-3);
 }
