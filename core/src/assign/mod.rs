@@ -13,7 +13,7 @@ mod tests;
 
 pub use codec::Codec;
 pub use frames::{NormalFrames, choose_frames};
-pub use paint::paint;
+pub use paint::{Storing, choose_range, paint};
 pub use rules::{Rules, rules};
 
 use glam::{DVec3, DVec4, Vec4};
@@ -26,7 +26,7 @@ use crate::layout::Layout;
 pub enum Range {
     /// As every other level: codes of the source's bits.
     Unorm8,
-    /// 16 bits of linear values with a scale and a bias of the level.
+    /// 16 bits of linear values with a scale and a bias of the level ([`crate::image::LevelRange`]).
     Scaled16,
     /// Half floats of linear values.
     Float16,

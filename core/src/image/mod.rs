@@ -1,9 +1,11 @@
 //! Planes of texels: stored codes, their meaning, and how a sampler reads them.
 
 pub mod planes;
+pub mod range;
 pub mod sample;
 pub mod wrap;
 
 pub use planes::{Image, Pixels, Transfer};
+pub use range::LevelRange;
 pub use sample::bilinear;
 pub use wrap::{Wrap, WrapMode};

@@ -1,13 +1,18 @@
 //! One channel's journey: samples of level 0 to level images, with what the solver did on the way.
 
+use std::collections::BTreeMap;
+
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
 use crate::asset::Slot;
-use crate::assign::{Codec, LevelChannel, LevelValues, NormalFrames, Rules, paint, rules};
+use crate::assign::{
+    Codec, LevelChannel, LevelValues, NormalFrames, Range, Rounding, Rules, Storing, choose_range, paint,
+    rules,
+};
 use crate::colors::{Cuts, LevelNumbering, Resolutions, sample_areas};
 use crate::error::Result;
-use crate::image::{Image, Pixels, Transfer};
+use crate::image::{Image, LevelRange, Pixels, Transfer};
 use crate::layout::Layout;
 use crate::math::transfer::linear_to_srgb;
 use crate::measure::SolverReport;
@@ -29,6 +34,8 @@ pub struct ChannelInput<'a> {
     /// Of a masked material: keep the share of surface above this.
     pub mask_cutoff: Option<f32>,
     pub solver: Solver,
+    pub range: Range,
+    pub rounding: Rounding,
 }
 
 pub struct FinishedChannel {
@@ -36,6 +43,8 @@ pub struct FinishedChannel {
     pub transfer: Transfer,
     pub cuts: Cuts,
     pub levels: Vec<Image>,
+    /// Of levels that are stored in one.
+    pub ranges: BTreeMap<usize, LevelRange>,
     /// Distinct samples by level.
     pub sample_counts: Vec<u64>,
     pub solver: Vec<SolverReport>,
@@ -57,6 +66,7 @@ pub fn finish_channel(
         transfer: input.channel.transfer,
         cuts: Cuts { edges: Vec::new() },
         levels: Vec::new(),
+        ranges: BTreeMap::new(),
         sample_counts: Vec::new(),
         solver: Vec::new(),
         is_alpha_weighted: by_alpha,
@@ -88,12 +98,17 @@ pub fn finish_channel(
             codec,
             frames: input.frames,
         };
-        let rules = rules(&level_channel);
         let mut wanted = LevelValues::new(wanted, topology.fan_count());
-        watch.stage(Stage::Solve);
-        finished.solver.extend(represent(&level_channel, &rules, &mut wanted, input.solver, watch)?);
-        watch.stage(Stage::Assign);
-        finished.levels.push(paint(&level_channel, &wanted, watch)?);
+        let range = choose_range(&level_channel, &wanted, input.range, watch)?;
+        if range.is_none() {
+            let rules = rules(&level_channel);
+            watch.stage(Stage::Solve);
+            finished.solver.extend(represent(&level_channel, &rules, &mut wanted, input.solver, watch)?);
+            watch.stage(Stage::Assign);
+        }
+        finished.ranges.extend(range.map(|range| (level, range)));
+        let storing = Storing { rounding: input.rounding, range };
+        finished.levels.push(paint(&level_channel, &wanted, storing, watch)?);
         finished.sample_counts.push(numbering.sample_count() as u64);
     }
     finished.cuts = input.cuts;

@@ -80,6 +80,8 @@ pub fn convert_material(
             frames: frames.as_ref().filter(|_| source.channel.is_normal()),
             mask_cutoff: mask_cutoff(asset, source.channel),
             solver: options.solver,
+            range: options.range,
+            rounding: options.rounding,
         };
         finished.push(finish_channel(input, numbering, samples, watch)?);
         progress.advance(0.8 / sources.len() as f32);

@@ -1,5 +1,7 @@
 //! A source file with one of everything that the writer has to carry over, and conversions made up for it.
 
+use std::collections::BTreeMap;
+
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 
@@ -189,7 +191,13 @@ pub fn noise(width: u32, height: u32, components: u8, seed: u32) -> Image {
 fn texture(material: usize, slots: &[Slot], components: u8, seed: u32) -> FinishedTexture {
     let transfer = if slots[0].is_color() { Transfer::Srgb } else { Transfer::Linear };
     let levels = [(16, 8), (9, 5), (6, 4)].map(|(w, h)| noise(w, h, components, seed));
-    FinishedTexture { material, slots: slots.to_vec(), transfer, levels: levels.to_vec() }
+    FinishedTexture {
+        material,
+        slots: slots.to_vec(),
+        transfer,
+        levels: levels.to_vec(),
+        ranges: BTreeMap::new(),
+    }
 }
 
 /// Every triangle of the primitives with textured materials, at places of no meaning.
