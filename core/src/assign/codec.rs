@@ -139,6 +139,7 @@ fn by_components<C: Copy>(
     }
 }
 
+#[inline(always)]
 fn write<C: Copy, const N: usize>(codes: &mut [C], line: Line<'_>, encode: impl Fn(Vec4) -> [C; N]) {
     let Line { first, step, values } = line;
     let mut at = first * N;
@@ -154,10 +155,12 @@ fn write<C: Copy, const N: usize>(codes: &mut [C], line: Line<'_>, encode: impl 
     }
 }
 
+#[inline(always)]
 fn unorm8(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 
+#[inline(always)]
 fn unorm16(value: f32) -> u16 {
     (value.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16
 }
@@ -197,7 +200,7 @@ static SRGB8: LazyLock<Box<[u32; SRGB8_ENTRIES]>> = LazyLock::new(|| {
     Box::new(std::array::from_fn(|number| entries[number]))
 });
 
-#[inline]
+#[inline(always)]
 fn srgb8_by(table: &[u32; SRGB8_ENTRIES], value: f32) -> u8 {
     // In this order what is not a number is 0.
     #[expect(clippy::manual_clamp, reason = "clamp keeps NaN; in this order it becomes a number")]

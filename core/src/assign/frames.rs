@@ -53,66 +53,95 @@ fn tangent(normal: Vec3, axis: Vec3) -> Vec3 {
 /// Points of a face in a row: `(s, t)` of the first one, and the step to the next.
 pub(super) struct FrameLine {
     pub face: usize,
-    pub is_triangle: bool,
     pub at: [f32; 2],
     pub step: [f32; 2],
 }
 
-/// Normal and tangent over one drawn triangle of a face: at `(0, 0)`, and their changes along s and t.
-struct FramePlane {
-    normal: [Vec3; 3],
-    tangent: [Vec3; 3],
+/// Normal and tangent, not yet of unit length, along a line over one drawn triangle of a face: at its first
+/// point, and the change to the next.
+struct FrameRun {
+    normal: [Vec3; 2],
+    tangent: [Vec3; 2],
 }
 
-impl FramePlane {
-    /// `corners`: at `(0, 0)`, and the two pairs (from, to) whose differences are the changes.
-    fn new(frames: &[Frame; 4], at: usize, along_s: [usize; 2], along_t: [usize; 2]) -> Self {
-        let plane = |of: fn(&Frame) -> Vec3| {
+impl FrameRun {
+    /// `corners`: the one at `(0, 0)`, and the pairs (from, to) whose differences are the changes along s and t.
+    fn new(frames: &[Frame; 4], corners: (usize, [usize; 2], [usize; 2]), line: &FrameLine) -> Self {
+        let (zero, along_s, along_t) = corners;
+        let run = |of: fn(&Frame) -> Vec3| {
             let change = |[from, to]: [usize; 2]| of(&frames[to]) - of(&frames[from]);
-            [of(&frames[at]), change(along_s), change(along_t)]
+            let (by_s, by_t) = (change(along_s), change(along_t));
+            let first = of(&frames[zero]) + by_s * line.at[0] + by_t * line.at[1];
+            [first, by_s * line.step[0] + by_t * line.step[1]]
         };
-        Self { normal: plane(|frame| frame.normal), tangent: plane(|frame| frame.tangent.truncate()) }
+        Self { normal: run(|frame| frame.normal), tangent: run(|frame| frame.tangent.truncate()) }
     }
 
-    /// Normal, tangent and the bitangent of a right-handed frame, all of unit length, as [`Frame::blend`]
-    /// gives them.
+    /// A vector's components along tangent, bitangent (of a right-handed frame) and normal at a point of
+    /// the line; `None` where the frame is degenerate.
+    ///
+    /// With `N` and `T` as they are interpolated and `B = N × T` the frame of [`Frame::blend`] is
+    /// `N / |N|`, `(T |N|² - N (N · T)) / (|N| |B|)` and `B / |B|`: two square roots.
     #[inline]
-    fn frame(&self, s: f32, t: f32) -> [Vec3; 3] {
-        let at = |[at, along_s, along_t]: &[Vec3; 3]| *at + *along_s * s + *along_t * t;
-        let normal = at(&self.normal).try_normalize().unwrap_or(self.normal[0]);
-        let tangent = at(&self.tangent);
-        let across = tangent - normal * normal.dot(tangent);
-        let tangent = across.try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
-        [normal, tangent, normal.cross(tangent)]
+    fn local(&self, number: f32, value: Vec3) -> Option<Vec3> {
+        let normal = self.normal[0] + self.normal[1] * number;
+        let tangent = self.tangent[0] + self.tangent[1] * number;
+        let across = normal.cross(tangent);
+        let (squared, across_squared) = (normal.length_squared(), across.length_squared());
+        if !(squared > DEGENERATE && across_squared > DEGENERATE * squared) {
+            return None;
+        }
+        let (per_normal, per_across) = (squared.sqrt().recip(), across_squared.sqrt().recip());
+        let up = normal.dot(value);
+        let along = (tangent.dot(value) * squared - up * normal.dot(tangent)) * per_normal * per_across;
+        Some(Vec3::new(along, across.dot(value) * per_across, up * per_normal))
     }
 }
+
+/// Squared lengths (of vectors of length 1 at the corners) under which a frame is worked out with care.
+const DEGENERATE: f32 = 1e-8;
 
 impl NormalFrames {
     /// Object-space normals at the points of a line to what the face stores there, as [`Self::to_stored`]
     /// does it for one point, in 32 bits.
-    pub(super) fn store(&self, line: &FrameLine, normals: &[Vec4], stored: &mut Vec<Vec4>) {
+    pub(super) fn store(
+        &self,
+        canvas: &CanvasMesh,
+        line: &FrameLine,
+        normals: &[Vec4],
+        stored: &mut Vec<Vec4>,
+    ) {
         let frames = &self.corners[line.face];
-        // The triangles that `surface_point` names: a quad is drawn over the diagonal s = t.
-        let planes = if line.is_triangle {
-            [(); 2].map(|()| FramePlane::new(frames, 0, [0, 1], [0, 2]))
-        } else {
-            [FramePlane::new(frames, 0, [0, 1], [1, 2]), FramePlane::new(frames, 0, [3, 2], [0, 3])]
+        let count = canvas.faces[line.face].count();
+        let place = |number: usize| {
+            let at = |k: usize| line.at[k] + line.step[k] * number as f32;
+            (at(0), at(1))
         };
+        // The triangles that `surface_point` names: a quad is drawn over the diagonal s = t.
+        let is_upper = |number: usize| count == 4 && place(number).1 > place(number).0;
         let [across, along] = self.factors();
-        let bitangent_factor = across * frames[0].tangent.w;
-        let ([s, t], [ds, dt]) = (line.at, line.step);
+        let factors = Vec3::new(across, across * frames[0].tangent.w, along);
         stored.clear();
-        stored.extend(normals.iter().enumerate().map(|(number, value)| {
-            let (s, t) = (s + ds * number as f32, t + dt * number as f32);
-            let [normal, tangent, bitangent] = planes[usize::from(t > s)].frame(s, t);
-            let value = value.truncate();
-            let local = Vec3::new(
-                tangent.dot(value) * across,
-                bitangent.dot(value) * bitangent_factor,
-                normal.dot(value) * along,
-            );
-            (local + 0.5).extend(1.0)
-        }));
+        while stored.len() < normals.len() {
+            let first = stored.len();
+            let upper = is_upper(first);
+            let same = (first..normals.len()).take_while(|&number| is_upper(number) == upper).count();
+            let corners = match (count, upper) {
+                (3, _) => (0, [0, 1], [0, 2]),
+                (_, false) => (0, [0, 1], [1, 2]),
+                (_, true) => (0, [3, 2], [0, 3]),
+            };
+            let run = FrameRun::new(frames, corners, line);
+            stored.extend(normals[first..first + same].iter().zip(first..).map(|(value, number)| {
+                let value = value.truncate();
+                let local = run.local(number as f32, value).map(|local| local * factors);
+                let local = local.unwrap_or_else(|| {
+                    let (s, t) = place(number);
+                    self.to_stored(canvas, line.face, s, t) * value
+                });
+                (local + 0.5).extend(1.0)
+            }));
+        }
     }
 
     /// What the stored x and y, and z, are shorter by than the normal. A scale below 1 shortens the stored

@@ -7,6 +7,7 @@
 mod codec;
 mod frames;
 mod paint;
+mod read_back;
 mod rules;
 #[cfg(test)]
 mod tests;
@@ -14,6 +15,7 @@ mod tests;
 pub use codec::Codec;
 pub use frames::{NormalFrames, choose_frames};
 pub use paint::{Storing, choose_range, paint};
+pub use read_back::read_back;
 pub use rules::{Rules, rules};
 
 use glam::{DVec3, DVec4, Vec4};

@@ -28,6 +28,14 @@ impl LevelRange {
         Self::Scaled16 { scale, bias: low }
     }
 
+    /// As the file format and the options name it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Scaled16 { .. } => "scaled16",
+            Self::Float16 => "float16",
+        }
+    }
+
     /// The nearest code of one component (0 to 3: red, green, blue, alpha).
     pub fn encode(&self, component: usize, value: f32) -> u16 {
         match self {

@@ -3,6 +3,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::coarse_weights::Weights;
 use super::figures::{self, SAMPLES};
 use super::report::Unit;
 use super::texels::{Texels, encode_codes, stored_components};
@@ -84,6 +85,7 @@ pub struct Judge<'a> {
     pub meaning: Meaning,
     /// How many components the image stores.
     pub components: u8,
+    pub weights: Weights,
 }
 
 impl Judge<'_> {
@@ -95,7 +97,7 @@ impl Judge<'_> {
         }
         std::array::from_fn(|sample| {
             let t = figures::position(sample);
-            let (left, right) = (self.texels.bilinear(a.at(t)), self.texels.bilinear(b.at(t)));
+            let [left, right] = [a, b].map(|side| self.texels.bilinear(self.weights.place(side.at(t))));
             match (self.meaning, &a.frames, &b.frames) {
                 (Meaning::Normal { scale }, Some(of_a), Some(of_b)) => degrees_between(
                     object_normal(left, scale, &mixed_frame(&of_a[0], &of_a[1], t)),

@@ -4,6 +4,7 @@
 //! [`converted`], [`converted_file`] and [`source`] are the ways in, [`verdict`] holds the figures against
 //! the bundle's guarantees.
 
+mod coarse_weights;
 mod edges;
 mod fidelity;
 mod figures;

@@ -8,14 +8,14 @@ use rayon::prelude::*;
 use crate::asset::Slot;
 use crate::assign::{
     Codec, LevelChannel, LevelValues, NormalFrames, Range, Rounding, Rules, Storing, choose_range, paint,
-    rules,
+    read_back, rules,
 };
 use crate::colors::{Cuts, LevelNumbering, Resolutions, sample_areas};
 use crate::error::Result;
 use crate::image::{Image, LevelRange, Pixels, Transfer};
 use crate::layout::Layout;
 use crate::math::transfer::linear_to_srgb;
-use crate::measure::SolverReport;
+use crate::measure::{SolverReport, StoredReport};
 use crate::mip::{coarsen, coverage, keep_coverage};
 use crate::solve::{Problem, Solution, Solver, solve, violated_count};
 use crate::source::SourceChannel;
@@ -48,6 +48,8 @@ pub struct FinishedChannel {
     /// Distinct samples by level.
     pub sample_counts: Vec<u64>,
     pub solver: Vec<SolverReport>,
+    /// Of levels in a range.
+    pub stored: Vec<StoredReport>,
     pub is_alpha_weighted: bool,
     pub keeps_coverage: bool,
 }
@@ -69,6 +71,7 @@ pub fn finish_channel(
         ranges: BTreeMap::new(),
         sample_counts: Vec::new(),
         solver: Vec::new(),
+        stored: Vec::new(),
         is_alpha_weighted: by_alpha,
         keeps_coverage: input.mask_cutoff.is_some(),
     };
@@ -106,13 +109,28 @@ pub fn finish_channel(
             finished.solver.extend(represent(&level_channel, &rules, &mut wanted, input.solver, watch)?);
             watch.stage(Stage::Assign);
         }
-        finished.ranges.extend(range.map(|range| (level, range)));
         let storing = Storing { rounding: input.rounding, range };
-        finished.levels.push(paint(&level_channel, &wanted, storing, watch)?);
+        let image = paint(&level_channel, &wanted, storing, watch)?;
+        if let Some(range) = range {
+            let changes = read_back(&level_channel, &wanted, &image, &range);
+            finished.stored.push(stored_report(level, range.name(), &changes));
+            finished.ranges.insert(level, range);
+        }
+        finished.levels.push(image);
         finished.sample_counts.push(numbering.sample_count() as u64);
     }
     finished.cuts = input.cuts;
     Ok(finished)
+}
+
+fn stored_report(level: usize, range: &str, changes: &[f64]) -> StoredReport {
+    StoredReport {
+        level: level as u32,
+        range: range.to_owned(),
+        change_mean_codes: changes.iter().sum::<f64>() / changes.len() as f64,
+        change_p95_codes: percentile_95(changes.to_vec(), changes.len()),
+        change_max_codes: changes.iter().copied().fold(0.0, f64::max),
+    }
 }
 
 /// What the channel is stored as: the source's components and bits, without an alpha that nobody reads.
@@ -164,7 +182,7 @@ fn represent(
         system.scatter(rules, &solution.values, values);
     }
     let after = samples_of(channel, rules, &values.samples);
-    let (change_sum_codes, change_max_codes) = changes(channel, &before, &after);
+    let changes = changes(channel, &before, &after);
     Ok(Some(SolverReport {
         level: channel.numbering.level as u32,
         row_count: (rules.len() * systems.len()) as u64,
@@ -173,8 +191,9 @@ fn represent(
         residual: largest(&solutions, |solution| solution.residual),
         dual_residual: largest(&solutions, |solution| solution.dual_residual),
         complementarity: largest(&solutions, |solution| solution.complementarity),
-        change_mean_codes: change_sum_codes / values.samples.len() as f64,
-        change_max_codes,
+        change_mean_codes: changes.iter().sum::<f64>() / values.samples.len() as f64,
+        change_p95_codes: percentile_95(changes.clone(), values.samples.len()),
+        change_max_codes: changes.iter().copied().fold(0.0, f64::max),
     }))
 }
 
@@ -241,8 +260,8 @@ impl System {
     }
 }
 
-/// Sum and maximum of the samples' changes in codes, the largest component counting.
-fn changes(channel: &LevelChannel<'_>, before: &[Vec4], after: &[Vec4]) -> (f64, f64) {
+/// The samples' changes in codes, the largest component counting; those that are nothing are left out.
+fn changes(channel: &LevelChannel<'_>, before: &[Vec4], after: &[Vec4]) -> Vec<f64> {
     let is_color = channel.codec.transfer == Transfer::Srgb;
     let encode = |value: Vec4| {
         if !is_color {
@@ -252,12 +271,18 @@ fn changes(channel: &LevelChannel<'_>, before: &[Vec4], after: &[Vec4]) -> (f64,
     };
     // Normals span [-1, 1], two of these to a code range.
     let scale = if channel.frames.is_some() { 127.5 } else { 255.0 };
-    let mut sum = 0.0;
-    let mut max = 0.0f64;
-    for (before, after) in before.iter().zip(after).filter(|(before, after)| before != after) {
-        let change = f64::from((encode(*before) - encode(*after)).abs().max_element()) * scale;
-        sum += change;
-        max = max.max(change);
+    let changed = before.iter().zip(after).filter(|(before, after)| before != after);
+    changed
+        .map(|(before, after)| f64::from((encode(*before) - encode(*after)).abs().max_element()) * scale)
+        .collect()
+}
+
+/// The smallest change that 95 % of all `count` samples do not exceed; those not in `changes` have none.
+fn percentile_95(mut changes: Vec<f64>, count: usize) -> f64 {
+    let beyond = count - (count * 95).div_ceil(100);
+    if beyond >= changes.len() {
+        return 0.0;
     }
-    (sum, max)
+    changes.sort_unstable_by(f64::total_cmp);
+    changes[changes.len() - 1 - beyond]
 }

@@ -192,7 +192,7 @@ fn add_texture(draft: &mut Draft<'_>, texture: &FinishedTexture, levels: Vec<Vec
 /// The levels that hold other values than codes of [0, 1], by number.
 fn ranges(texture: &FinishedTexture) -> Value {
     let entry = |(level, range): (&usize, &LevelRange)| match range {
-        LevelRange::Float16 => json!({ "level": level, "format": "float16" }),
+        LevelRange::Float16 => json!({ "level": level, "format": range.name() }),
         LevelRange::Scaled16 { scale, bias } => {
             let stored: &[usize] = match texture.levels.get(*level).map_or(0, |image| image.components) {
                 1 => &[0],
@@ -201,7 +201,7 @@ fn ranges(texture: &FinishedTexture) -> Value {
                 _ => &[0, 1, 2, 3],
             };
             let [scale, bias] = [scale, bias].map(|of| stored.iter().map(|&k| of[k]).collect::<Vec<f32>>());
-            json!({ "level": level, "format": "scaled16", "scale": scale, "bias": bias })
+            json!({ "level": level, "format": range.name(), "scale": scale, "bias": bias })
         }
     };
     texture.ranges.iter().map(entry).collect()

@@ -100,8 +100,8 @@ impl Painter<'_> {
                 let scale = 1.0 / grid.segments as f32;
                 let at = [line.first.0 as f32 * scale, line.first.1 as f32 * scale];
                 let step = line.step.map(|step| step as f32 * scale);
-                let points = FrameLine { face: grid.face, is_triangle: grid.is_triangle, at, step };
-                frames.store(&points, samples, stored);
+                let points = FrameLine { face: grid.face, at, step };
+                frames.store(self.channel.numbering.canvas, &points, samples, stored);
                 stored
             }
         };
