@@ -61,10 +61,7 @@ impl LevelCodec {
     pub fn encode(&self, value: Vec4) -> [u16; 4] {
         let mut codes = [0; 4];
         for (code, &component) in codes.iter_mut().zip(self.plain.stored()) {
-            *code = match &self.range {
-                None => self.plain.encode_one(component, value[component]),
-                Some(range) => range.encode(component, value[component]),
-            };
+            *code = self.encode_one(component, value[component]);
         }
         codes
     }
@@ -73,10 +70,7 @@ impl LevelCodec {
     pub fn decode(&self, codes: [u16; 4]) -> Vec4 {
         let mut value = Vec4::W;
         for (&code, &component) in codes.iter().zip(self.plain.stored()) {
-            value[component] = match &self.range {
-                None => self.plain.decode_one(component, code),
-                Some(range) => range.decode(component, code),
-            };
+            value[component] = self.decode_one(component, code);
         }
         if self.plain.components <= 2 {
             (value.y, value.z) = (value.x, value.x);
@@ -87,6 +81,37 @@ impl LevelCodec {
     /// The nearest value that can be stored.
     pub fn round(&self, value: Vec4) -> Vec4 {
         self.decode(self.encode(value))
+    }
+
+    /// The nearest code of one component (0 to 3: red, green, blue, alpha).
+    pub fn encode_one(&self, component: usize, value: f32) -> u16 {
+        match &self.range {
+            None => self.plain.encode_one(component, value),
+            Some(range) => range.encode(component, value),
+        }
+    }
+
+    pub fn decode_one(&self, component: usize, code: u16) -> f32 {
+        match &self.range {
+            None => self.plain.decode_one(component, code),
+            Some(range) => range.decode(component, code),
+        }
+    }
+
+    /// The codes on both sides of a value; twice the nearest where there is no other.
+    pub fn around(&self, component: usize, value: f32) -> [u16; 2] {
+        let nearest = self.encode_one(component, value);
+        let found = self.decode_one(component, nearest);
+        if found == value {
+            return [nearest; 2];
+        }
+        let is_up = found < value;
+        let next = match &self.range {
+            Some(range) => range.next(nearest, is_up),
+            None if is_up => nearest.saturating_add(1).min(if self.plain.bits == 8 { 255 } else { u16::MAX }),
+            None => nearest.saturating_sub(1),
+        };
+        [nearest, next]
     }
 }
 

@@ -39,7 +39,7 @@ pub enum Range {
 pub enum Rounding {
     /// Each texel to the nearest code.
     Nearest,
-    /// Samples first; texels that are made of samples from rounded ones.
+    /// Samples first; texels that are made of samples from rounded ones, or rounded together.
     Rules,
 }
 

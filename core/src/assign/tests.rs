@@ -1,7 +1,10 @@
 use glam::{DVec2, Vec2, Vec3, Vec4};
 
 use super::paint::corner_weights;
-use super::{Codec, LevelChannel, LevelValues, NormalFrames, Rounding, Storing, choose_frames, paint, rules};
+use super::{
+    Codec, LevelChannel, LevelValues, NormalFrames, Range, Rounding, Storing, choose_frames, choose_range,
+    paint, read_back, rules,
+};
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions};
 use crate::image::{Image, LevelRange, Pixels, Transfer, Wrap, WrapMode, bilinear};
 use crate::layout::{Layout, LayoutRequest, arrange};

@@ -54,6 +54,22 @@ impl LevelRange {
         }
     }
 
+    /// The code of the next larger or smaller value; the same code where there is none.
+    pub fn next(&self, code: u16, is_up: bool) -> u16 {
+        match self {
+            Self::Scaled16 { .. } if is_up => code.saturating_add(1),
+            Self::Scaled16 { .. } => code.saturating_sub(1),
+            Self::Float16 => {
+                // Sign and magnitude to a number in the order of the values, and back.
+                let magnitude = i32::from(code & 0x7fff);
+                let order = if code >> 15 == 1 { -magnitude } else { magnitude };
+                let largest = i32::from(f16::MAX.to_bits());
+                let next = (order + if is_up { 1 } else { -1 }).clamp(-largest, largest);
+                next.unsigned_abs() as u16 | if next < 0 { 0x8000 } else { 0 }
+            }
+        }
+    }
+
     /// The value of one texel as it enters a filter: gray in red, green and blue, alpha 1 where there is
     /// none. `x < width`, `y < height`; an image of 8 bits has no range and gives its codes over 255.
     pub fn texel(&self, image: &Image, x: u32, y: u32) -> Vec4 {
@@ -98,6 +114,12 @@ mod tests {
         for value in [-70.0, -0.3, 0.0, 1.0 / 3.0, 1.0, 1234.5] {
             let back = range.decode(1, range.encode(1, value));
             assert!((back - value).abs() <= value.abs() / 2048.0, "{value} came back as {back}");
+        }
+        for value in [-70.0, -1.0 / 1024.0, 0.0, 0.5, 1.0, HALF_MAX] {
+            let code = range.encode(0, value);
+            let [down, up] = [false, true].map(|is_up| range.decode(0, range.next(code, is_up)));
+            assert!(down < value && (up > value || value == HALF_MAX), "{down} {value} {up}");
+            assert_eq!(range.decode(0, range.next(range.next(code, false), true)), value);
         }
         assert_eq!(range.decode(2, range.encode(2, 1e9)), HALF_MAX);
         assert_eq!(range.decode(2, range.encode(2, -1e9)), -HALF_MAX);

@@ -2,6 +2,7 @@
 
 use glam::Vec4;
 
+use super::cell::Cell;
 use crate::assign::codec::{LevelCodec, Line, write_line8, write_line16};
 
 /// Where values go.
@@ -42,6 +43,20 @@ impl Band<'_> {
 
     pub fn put(&mut self, texel: usize, value: Vec4) {
         self.write(Line { first: texel, step: 1, values: &[value] });
+    }
+
+    /// Writes four texels, given what they should hold, with the codes that show least of it in between.
+    pub fn put_cell(&mut self, texels: [usize; 4], wanted: &[Vec4; 4], cell: &Cell) {
+        let stored = self.codec.plain.stored();
+        for (slot, &component) in stored.iter().enumerate() {
+            let codes = || cell.codes(&self.codec, component, wanted.map(|value| value[component]));
+            let at = texels.map(|texel| texel * stored.len() + slot);
+            match &mut self.sheet {
+                Sheet::Codes8(sheet) => at.iter().zip(codes()).for_each(|(&at, code)| sheet[at] = code as u8),
+                Sheet::Codes16(sheet) => at.iter().zip(codes()).for_each(|(&at, code)| sheet[at] = code),
+                Sheet::Extent(_) => {}
+            }
+        }
     }
 
     /// The value that a texel holds since it was written; `None` where values go nowhere.

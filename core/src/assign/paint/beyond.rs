@@ -7,7 +7,8 @@ use crate::layout::Block;
 
 use super::Painter;
 use super::band::Band;
-use crate::assign::{LevelChannel, corner_point};
+use super::cell::Cell;
+use crate::assign::{LevelChannel, Rounding, corner_point};
 
 impl Painter<'_> {
     /// Writes the texels around a block, or around one of two lone triangles.
@@ -22,6 +23,13 @@ impl Painter<'_> {
                 let texel = band.texel(cell.first[0] + dx, cell.first[1] + dy);
                 band.put(texel, extrapolated(&corners, cell.at(dx, dy)));
             }
+        }
+        if self.rounding == Rounding::Rules
+            && let Some(between) = cell.between(&corners)
+        {
+            let steps = [(0, 0), (1, 0), (0, 1), (1, 1)];
+            let texels = steps.map(|(dx, dy)| band.texel(cell.first[0] + dx, cell.first[1] + dy));
+            band.put_cell(texels, &steps.map(|(dx, dy)| extrapolated(&corners, cell.at(dx, dy))), &between);
         }
     }
 
@@ -66,6 +74,14 @@ impl BeyondCell {
             corner,
             segments_per_texel: 1.0 / side,
         }
+    }
+
+    /// The corners that are there, among the first two by two texels: the far ones stand on them too.
+    fn between(&self, corners: &[[Option<DVec4>; 2]; 2]) -> Option<Cell> {
+        let near = self.corner - DVec2::new(f64::from(self.first[0]), f64::from(self.first[1]));
+        let all = [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().filter(|&(x, y)| corners[y][x].is_some());
+        let places = all.map(|(x, y)| near + DVec2::new(x as f64, y as f64) / self.segments_per_texel);
+        Cell::new(&places.collect::<Vec<_>>())
     }
 
     /// A texel's place on the block's unit square (far outside it at high levels).

@@ -2,6 +2,7 @@
 
 mod band;
 mod beyond;
+mod cell;
 mod extent;
 mod up_to_vertex;
 
@@ -33,7 +34,8 @@ pub struct Storing {
 /// Rounding comes last. By [`Rounding::Rules`] it is shared: copies round the sample once for all faces,
 /// points of coarser edges are worked out from rounded samples and border texels from stored texels, so
 /// that only their own rounding is left (none at all for the borders of linear formats). Beyond vertex
-/// colors the weights are large, so there the samples enter unrounded.
+/// colors the weights are large, so there the samples enter unrounded, and the four texels around a face are
+/// rounded together, to what shows least at its corners.
 ///
 /// # Errors
 /// `Canceled`.
