@@ -2,6 +2,7 @@
 """Prints the tables of docs/figures.md from finished bundles (Python's standard library alone).
 
   docs/figures.py DIR...            prints the tables of each bundle
+  docs/figures.py --ranges DIR...   prints what storing costs by level: one table, bundles side by side
   docs/figures.py --times DIR...    prints the times and the memory of each, which no two runs share
 
 DIR holds report.json (and run.json), as `meshcolor convert MODEL -o DIR` leaves them.
@@ -121,6 +122,26 @@ def times(run):
     return told + table(["stage", "CPU seconds", "ratio", "peak memory, MiB"], rows)
 
 
+def ranges(folders):
+    """By channel and level: what the solver or the format changed, and seams with both kinds of weights."""
+    heading = ["bundle, level", "stored as", "mean change, codes", "95 %", "largest",
+               "seam 99.9 %", "seam max", "8-bit weights 99.9 %", "max"]
+    tables = {}
+    for folder in folders:
+        for channel in json.loads((folder / "report.json").read_text())["channels"]:
+            rows = tables.setdefault(channel_name(channel), [])
+            for level in channel["levels"]:
+                changes = channel["solver"] + channel.get("stored", [])
+                change = next((own for own in changes if own["level"] == level["level"]), {})
+                seams, coarse = level["seams"] or {}, level.get("seams_8bit_weights") or {}
+                change = [change.get(f"change_{name}_codes", 0) for name in ("mean", "p95", "max")]
+                rows.append([f"{folder.name}, {level['level']}", level.get("range", f"{channel['bits']} bits"),
+                             *[number(value, 2) for value in change],
+                             *[number(own.get(name), 2) for own in (seams, coarse) for name in ("p999", "max")]])
+    by_level = lambda row: int(row[0].rsplit(", ", 1)[1])
+    return "\n".join(f"**{name}**\n\n{table(heading, sorted(rows, key=by_level))}" for name, rows in tables.items())
+
+
 def page(folder):
     report = json.loads((folder / "report.json").read_text())
     channels = report["channels"]
@@ -135,8 +156,11 @@ def page(folder):
 def main(arguments):
     flags = {argument for argument in arguments if argument.startswith("--")}
     folders = [argument for argument in arguments if argument not in flags]
-    if not folders or flags - {"--times"}:
+    if not folders or len(flags) > 1 or flags - {"--ranges", "--times"}:
         sys.exit(__doc__)
+    if "--ranges" in flags:
+        print(ranges(list(map(pathlib.Path, folders))), end="")
+        return
     for folder in map(pathlib.Path, folders):
         print(times(json.loads((folder / "run.json").read_text())) if flags else page(folder), end="")
 

@@ -26,6 +26,13 @@ pub struct MctPick {
     pub fraction: f32,
 }
 
+/// What a filtered texel of a level stands for: scale 1 and bias 0 for all but scaled 16-bit levels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MctRange {
+    pub scale: Vec4,
+    pub bias: Vec4,
+}
+
 /// The place of a 4D coordinate (`u_s`, `u_δ`) in the image of `level`, in texels (MCT equation 2).
 pub fn mct_place(coordinate: Vec4, level: u32) -> Vec2 {
     let shrink = f32::from_bits((127 - level.min(126)) << 23);
@@ -55,6 +62,11 @@ pub fn mct_texcoord(place: Vec2, size: Vec2) -> Vec2 {
 pub fn mct_in_stack(place: Vec2, level: MctLevel, stack_size: Vec2) -> Vec2 {
     let inside = place.max(Vec2::splat(0.5)).min(level.size - 0.5);
     (level.origin + inside) / stack_size
+}
+
+/// The value of a filtered texel of a level with a range.
+pub fn mct_decode(filtered: Vec4, range: MctRange) -> Vec4 {
+    filtered * range.scale + range.bias
 }
 
 /// The bilinear value of one level of a stack, in linear light for color.

@@ -18,6 +18,11 @@
 //   let finer = textureSampleLevel(level_a, s, mct_texcoord(mct_place(coordinate, pick.finer), size_a), 0.0);
 //   let coarser = textureSampleLevel(level_b, s, mct_texcoord(mct_place(coordinate, pick.coarser), size_b), 0.0);
 //   let color = mix(finer, coarser, pick.fraction);
+// A level that the file lists under "ranges" is not filtered in sRGB: upload a scaled16 level as 16-bit unorm
+// (or as floats) and its codes' bits as half floats for a float16 one, then give the fetch its meaning:
+//   let coarser = mct_decode(textureSampleLevel(...), range_b);
+// Filter weights sum to 1, so decoding after filtering is decoding before it. Mixing with another level
+// comes after that. In one texture for all levels, store such levels decoded, as floats.
 //
 // All levels in one texture, `table[level]` being where each stands:
 //   let pick = mct_pick(mct_lambda(dpdx(scaled), dpdy(scaled)), level_count);
@@ -34,6 +39,13 @@ struct MctPick {
     finer: u32,
     coarser: u32,
     fraction: f32,
+}
+
+// What a filtered texel of a level stands for: scale 1 and bias 0 for all but scaled16 levels. Of an image
+// without alpha both have 1 and 0 there; of a gray one the same number in red, green and blue.
+struct MctRange {
+    scale: vec4f,
+    bias: vec4f,
 }
 
 // The place of a 4D coordinate in the image of `level`, in texels of that image (MCT equation 2):
@@ -69,6 +81,11 @@ fn mct_texcoord(place: vec2f, size: vec2f) -> vec2f {
 fn mct_in_stack(place: vec2f, level: MctLevel, stack_size: vec2f) -> vec2f {
     let inside = clamp(place, vec2f(0.5), level.size - 0.5);
     return (level.origin + inside) / stack_size;
+}
+
+// The value of a filtered texel of a level with a range: linear light for color, whatever the slot.
+fn mct_decode(filtered: vec4f, range: MctRange) -> vec4f {
+    return filtered * range.scale + range.bias;
 }
 
 // The bilinear value of one level of a stack.

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use glam::{Vec2, Vec3};
 use meshcolor::asset::Asset;
 use meshcolor::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle};
-use meshcolor::image::{Image, Pixels, Transfer};
+use meshcolor::image::{Image, LevelRange, Pixels, Transfer};
 
 /// Points along an edge that are compared; no grid line falls on them.
 const EDGE_POINTS: usize = 29;
@@ -43,10 +43,25 @@ fn meets(corners: &[glam::DVec2; 3], center: glam::DVec2) -> bool {
 
 /// The color that a GPU shows at a place of one image: decoded, mixed, encoded, in 8-bit codes.
 pub fn shown_codes(image: &Image, transfer: Transfer, at_texels: Vec2) -> Vec3 {
+    filtered_codes(image, transfer, at_texels, |texel| texel.map(|code| decode(code, transfer)))
+}
+
+/// The same at a level of a converted texture, in its range where it has one.
+pub fn shown_codes_of(texture: &FinishedTexture, level: usize, at_texels: Vec2) -> Vec3 {
+    let image = &texture.levels[level];
+    let value = |code: f32, k: usize| match texture.ranges.get(&level) {
+        None => decode(code, texture.transfer),
+        Some(LevelRange::Scaled16 { scale, bias }) => code * scale[k] + bias[k],
+        Some(range @ LevelRange::Float16) => range.decode(k, (code * 65535.0).round() as u16),
+    };
+    filtered_codes(image, texture.transfer, at_texels, |texel| {
+        Vec3::new(value(texel.x, 0), value(texel.y, 1), value(texel.z, 2))
+    })
+}
+
+fn filtered_codes(image: &Image, transfer: Transfer, at_texels: Vec2, value: impl Fn(Vec3) -> Vec3) -> Vec3 {
     let taps = taps(image, at_texels).into_iter().filter(|tap| tap.2 > 0.0);
-    let sum: Vec3 = taps
-        .map(|(x, y, weight)| Vec3::from(texel(image, x, y)).map(|code| decode(code, transfer)) * weight)
-        .sum();
+    let sum: Vec3 = taps.map(|(x, y, weight)| value(Vec3::from(texel(image, x, y))) * weight).sum();
     sum.map(|value| encode(value, transfer)) * 255.0
 }
 
@@ -152,7 +167,7 @@ fn jump_codes(
         weights[k] = 1.0 - t;
         weights[(k + 1) % 3] = t;
         let place = piece.triangles[triangle].place_at(weights, level);
-        shown_codes(&texture.levels[level], texture.transfer, place)
+        shown_codes_of(texture, level, place)
     };
     let mut worst: f32 = 0.0;
     for point in 0..=EDGE_POINTS {

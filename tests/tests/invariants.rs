@@ -108,6 +108,25 @@ proptest! {
         prop_assert_eq!(report.max_seam_delta_codes, conversion.report.max_seam_delta_codes);
     }
 
+    /// Levels in a range of their own come back from the file, and join by rounding, as all others do.
+    #[test]
+    fn ranges_keep_what_the_bounded_format_cannot(seed in any::<u64>(), range in prop_oneof![Just("scaled16"), Just("float16")]) {
+        let (patch, picture) = wild(seed);
+        let mut options = Options { cut_codes: 255.0, ..Options::default() };
+        options.set("range", range).unwrap();
+        let conversion = converted(&patch.upload(&picture), &options);
+        assert_continuous(&conversion)?;
+        let texture = &conversion.finished.textures[0];
+        let is_deep = |level: &usize| *level > 0 && matches!(texture.levels[*level].pixels, Pixels::U16(_));
+        prop_assert!(!texture.ranges.is_empty() && texture.ranges.keys().all(is_deep));
+        let file = Upload::single("asset.glb", conversion.files[0].bytes.clone());
+        let report = check(&file, &options, &Limits::default(), &Unwatched).unwrap();
+        for (read, wrote) in report.channels[0].levels.iter().zip(&conversion.report.channels[0].levels) {
+            prop_assert_eq!((read.seams, &read.range), (wrote.seams, &wrote.range));
+            prop_assert_eq!(read.seams_8bit_weights, wrote.seams_8bit_weights);
+        }
+    }
+
     /// Invariants 2 and 4: no texel is read from two blocks, and samples sit on texel centers.
     #[test]
     fn blocks_stand_apart_and_exactly(seed in any::<u64>()) {

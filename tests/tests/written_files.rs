@@ -1,6 +1,8 @@
 //! Written files, judged by the Khronos validator: made-up conversions of real models, read, written and
 //! read again.
 
+use std::collections::BTreeMap;
+
 use glam::{Vec2, Vec3, Vec4};
 use meshcolor::asset::{Asset, Slot};
 use meshcolor::finished::{
@@ -29,6 +31,7 @@ fn made_up(asset: &Asset) -> Finished {
                 slots: vec![slot],
                 transfer,
                 levels: levels.to_vec(),
+                ranges: BTreeMap::new(),
             });
         }
     }

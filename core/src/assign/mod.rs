@@ -7,13 +7,15 @@
 mod codec;
 mod frames;
 mod paint;
+mod read_back;
 mod rules;
 #[cfg(test)]
 mod tests;
 
 pub use codec::Codec;
 pub use frames::{NormalFrames, choose_frames};
-pub use paint::paint;
+pub use paint::{Storing, choose_range, paint};
+pub use read_back::read_back;
 pub use rules::{Links, Rules, rules};
 
 use glam::{DVec3, DVec4, Vec4};
@@ -26,7 +28,7 @@ use crate::layout::Layout;
 pub enum Range {
     /// As every other level: codes of the source's bits.
     Unorm8,
-    /// 16 bits of linear values with a scale and a bias of the level.
+    /// 16 bits of linear values with a scale and a bias of the level ([`crate::image::LevelRange`]).
     Scaled16,
     /// Half floats of linear values.
     Float16,
@@ -37,7 +39,7 @@ pub enum Range {
 pub enum Rounding {
     /// Each texel to the nearest code.
     Nearest,
-    /// Samples first; texels that are made of samples from rounded ones.
+    /// Samples first; texels that are made of samples from rounded ones, or rounded together.
     Rules,
 }
 

@@ -1,47 +1,19 @@
 use glam::{DVec2, Vec2, Vec3, Vec4};
 
 use super::paint::corner_weights;
-use super::{Codec, LevelChannel, LevelValues, NormalFrames, choose_frames, paint, rules};
+use super::{
+    Codec, LevelChannel, LevelValues, NormalFrames, Range, Rounding, Storing, choose_frames, choose_range,
+    paint, read_back, rules,
+};
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions};
-use crate::image::{Image, Transfer, Wrap, WrapMode, bilinear};
+use crate::image::{Image, LevelRange, Pixels, Transfer, Wrap, WrapMode, bilinear};
 use crate::layout::{Layout, LayoutRequest, arrange};
-use crate::math::transfer::{linear_to_srgb, srgb_to_linear};
 use crate::mesh::{CanvasMesh, Polygons, build};
 use crate::watch::Unwatched;
 
 const DATA16: Codec = Codec { transfer: Transfer::Linear, components: 3, bits: 16 };
+const PLAIN: Storing = Storing { rounding: Rounding::Rules, range: None };
 const CLAMP: Wrap = Wrap { s: WrapMode::ClampToEdge, t: WrapMode::ClampToEdge };
-
-#[test]
-fn codes_survive_decoding_and_encoding() {
-    for transfer in [Transfer::Srgb, Transfer::Linear] {
-        let codec = Codec { transfer, components: 4, bits: 8 };
-        for code in 0..=255u16 {
-            let codes = [code, 255 - code, code, code];
-            assert_eq!(codec.encode(codec.decode(codes)), codes);
-        }
-        let deep = Codec { transfer, components: 2, bits: 16 };
-        for code in (0..=65535u16).step_by(97) {
-            let codes = [code, 65535 - code, 0, 0];
-            assert_eq!(deep.encode(deep.decode(codes)), codes);
-        }
-    }
-}
-
-/// Encoding takes the nearest code in the encoded scale, and clamps what is out of range.
-#[test]
-fn encoding_is_nearest() {
-    let codec = Codec { transfer: Transfer::Srgb, components: 1, bits: 8 };
-    for step in 0..=20_000 {
-        let value = (step as f32 / 20_000.0).powi(3);
-        let code = codec.encode(Vec4::splat(value))[0];
-        let exact = linear_to_srgb(value) * 255.0;
-        assert!((f32::from(code) - exact).abs() <= 0.501, "{value} became {code}, not {exact}");
-    }
-    assert_eq!(codec.encode(Vec4::splat(-3.0))[0], 0);
-    assert_eq!(codec.encode(Vec4::splat(7.0))[0], 255);
-    assert!((srgb_to_linear(0.5) - codec.decode([128, 0, 0, 0]).x).abs() < 0.005);
-}
 
 struct Case {
     canvas: CanvasMesh,
@@ -80,7 +52,103 @@ fn painted(case: &Case, level: usize, value: impl Fn(usize) -> f32) -> (Image, V
     let values: Vec<Vec4> = (0..numbering.sample_count()).map(|k| Vec4::splat(value(k))).collect();
     let row_count = rules(&channel).len();
     let level = LevelValues::new(values.clone(), topology.fan_count());
-    (paint(&channel, &level, &Unwatched).unwrap(), values, row_count)
+    (paint(&channel, &level, PLAIN, &Unwatched).unwrap(), values, row_count)
+}
+
+/// Far apart colors beyond vertex colors: the range that the level asks for, and its image.
+fn in_range(
+    case: &Case,
+    level: usize,
+    range: Range,
+    value: impl Fn(usize) -> f32,
+) -> Option<(LevelRange, Image)> {
+    let cuts = Cuts::none(&case.canvas);
+    let topology = ChannelTopology::new(&case.canvas, &case.resolutions, &cuts);
+    let numbering = LevelNumbering::new(&case.canvas, &topology, &case.resolutions, level);
+    let channel = LevelChannel {
+        layout: &case.layout,
+        numbering: &numbering,
+        cuts: &cuts,
+        codec: Codec { transfer: Transfer::Srgb, components: 3, bits: 8 },
+        frames: None,
+    };
+    let samples = (0..numbering.sample_count()).map(|k| Vec4::splat(value(k))).collect();
+    let values = LevelValues::new(samples, topology.fan_count());
+    let range = choose_range(&channel, &values, range, &Unwatched).unwrap()?;
+    let storing = Storing { rounding: Rounding::Rules, range: Some(range) };
+    let image = paint(&channel, &values, storing, &Unwatched).unwrap();
+    let changes = read_back(&channel, &values, &image, &range);
+    assert_eq!(changes.len(), numbering.sample_count());
+    assert!(changes.iter().all(|change| *change < 0.7), "{changes:?}");
+    Some((range, image))
+}
+
+/// Texels out of [0, 1] are stored, and read back to the corner colors on both sides.
+#[test]
+fn a_range_holds_what_the_bounded_format_cannot() {
+    let case = triangle_and_quad([0, 0], 4);
+    let noise = |k: usize| if k.is_multiple_of(2) { 0.9 } else { 0.1 };
+    for (range, worst) in [(Range::Scaled16, 1e-4), (Range::Float16, 2e-3)] {
+        assert!(in_range(&case, 0, range, noise).is_none(), "level 0 is never beyond vertex colors");
+        assert!(in_range(&case, 2, range, |_| 0.5).is_none(), "flat colors stay in [0, 1]");
+        for level in 1..4 {
+            let Some((range, image)) = in_range(&case, level, range, noise) else { panic!("level {level}") };
+            assert!(matches!(image.pixels, Pixels::U16(_)));
+            for (of_triangle, of_quad) in [(1, 0), (2, 3)] {
+                let read = [(0, of_triangle), (1, of_quad)].map(|(face, corner)| {
+                    let place =
+                        case.layout.scaled(face, corner) / (level as f32).exp2() + case.layout.offset(face);
+                    let (first, part) = ((place - 0.5).floor(), (place - 0.5).fract());
+                    let texel =
+                        |dx: u32, dy: u32| range.texel(&image, first.x as u32 + dx, first.y as u32 + dy).x;
+                    let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+                    mix(mix(texel(0, 0), texel(1, 0), part.x), mix(texel(0, 1), texel(1, 1), part.x), part.y)
+                });
+                assert!((read[0] - read[1]).abs() < worst, "{range:?}, level {level}: {read:?}");
+                assert!((read[0] - 0.9).abs().min((read[0] - 0.1).abs()) < worst, "level {level}: {read:?}");
+            }
+        }
+        assert!(in_range(&case, 2, Range::Unorm8, noise).is_none());
+    }
+}
+
+/// The two roundings differ where a texel is made of samples: in linear formats the rules hold to the code.
+#[test]
+fn borders_of_linear_formats_keep_their_rule_to_the_code() {
+    let case = triangle_and_quad([3, 1], 2);
+    let cuts = Cuts::none(&case.canvas);
+    let topology = ChannelTopology::new(&case.canvas, &case.resolutions, &cuts);
+    let numbering = LevelNumbering::new(&case.canvas, &topology, &case.resolutions, 0);
+    let codec = Codec { transfer: Transfer::Linear, components: 1, bits: 8 };
+    let channel =
+        LevelChannel { layout: &case.layout, numbering: &numbering, cuts: &cuts, codec, frames: None };
+    let value = |k: usize| Vec4::splat(0.4 + 0.2 * ((k * 7919 % 131) as f32 / 131.0));
+    let samples = (0..numbering.sample_count()).map(value).collect();
+    let values = LevelValues::new(samples, topology.fan_count());
+    let broken = |rounding: Rounding| {
+        let storing = Storing { rounding, range: None };
+        let image = paint(&channel, &values, storing, &Unwatched).unwrap();
+        let Pixels::U8(codes) = &image.pixels else { panic!("8 bits") };
+        let code = |at: Vec2| i32::from(codes[at.y as usize * image.width as usize + at.x as usize]);
+        let corner = |k: usize| (case.layout.scaled(0, k) + case.layout.offset(0)).floor();
+        let [low, high] = [corner(1), corner(2)];
+        let inward = (corner(0) - (low + high) / 2.0).signum();
+        let cells = (0..8).map(|step| low + (high - low) * (step as f32 / 8.0));
+        let along = (high - low) / 8.0;
+        cells
+            .filter(|&c1| {
+                // The cell between two texels of the diagonal: one corner inside, the border texel outside.
+                let c2 = c1 + along;
+                let c0 = Vec2::new(
+                    if inward.x > 0.0 { c1.x.max(c2.x) } else { c1.x.min(c2.x) },
+                    if inward.y > 0.0 { c1.y.max(c2.y) } else { c1.y.min(c2.y) },
+                );
+                code(c1) + code(c2) != code(c0) + code(c1 + c2 - c0)
+            })
+            .count()
+    };
+    assert_eq!(broken(Rounding::Rules), 0);
+    assert!(broken(Rounding::Nearest) > 0);
 }
 
 fn at(case: &Case, image: &Image, level: usize, face: usize, weights: &[(usize, f32)]) -> f32 {
@@ -184,5 +252,33 @@ fn a_flat_color_stays_flat_at_any_distance() {
         let (image, _, _) = painted(&quads, level, |_| 0.7);
         let read = at(&quads, &image, level, 1, &[(0, 0.25), (1, 0.25), (2, 0.25), (3, 0.25)]);
         assert!((read - 0.7).abs() < 2e-5, "level {level}: {read}");
+    }
+}
+
+/// Lines of normals, interpolated along the line, give what one point at a time gives.
+#[test]
+fn lines_of_normals_are_stored_as_single_ones() {
+    let case = triangle_and_quad([3, 3], 2);
+    let lean = |x: f32, y: f32| Vec3::new(x, y, 1.0).normalize();
+    let normals = vec![[lean(0.1, 0.0), lean(0.9, -0.4), lean(0.0, 0.7), lean(-0.6, -0.6)]; 2];
+    for scale in [1.0, 0.5, -2.0] {
+        let frames = choose_frames(&case.canvas, &normals, |_| None, scale);
+        for (face, at, step) in [
+            (0, [0.0, 0.25], [0.125, 0.0]),
+            (0, [1.0, 0.0], [-0.125, 0.125]),
+            (1, [0.125, 0.375], [0.125, 0.0]),
+        ] {
+            let values: Vec<Vec4> =
+                (0..6).map(|k| lean(0.3 - 0.2 * k as f32, 0.1 * k as f32).extend(1.0)).collect();
+            let mut stored = Vec::new();
+            let line = super::frames::FrameLine { face, at, step };
+            frames.store(&case.canvas, &line, &values, &mut stored);
+            assert_eq!(stored.len(), values.len());
+            for (number, (stored, value)) in stored.iter().zip(&values).enumerate() {
+                let [s, t] = [0, 1].map(|k| at[k] + step[k] * number as f32);
+                let expected = frames.to_stored(&case.canvas, face, s, t) * value.truncate() + 0.5;
+                assert!(stored.truncate().distance(expected) < 1e-6, "{face} {number}: {stored} {expected}");
+            }
+        }
     }
 }

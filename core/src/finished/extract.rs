@@ -4,6 +4,7 @@
 
 mod coordinates;
 mod cuts;
+mod ranges;
 mod textures;
 
 use crate::asset::{Asset, Slot};
@@ -23,7 +24,7 @@ pub const OFFSET_ATTRIBUTE: &str = "_MCT_OFFSET";
 ///
 /// # Errors
 /// `InvalidModel` with the place and the rule where the file contradicts itself: levels that are no
-/// images, sizes that differ among one material's textures, attributes that are missing or of another
+/// images, sizes that differ among one material's textures, ranges that do not fit their images, attributes that are missing or of another
 /// type, an offset that varies over a triangle, cuts that are not one byte for each triangle.
 pub fn extract(asset: &Asset) -> Result<Option<Finished>> {
     let textures = textures::of(asset)?;

@@ -5,10 +5,12 @@ mod extract;
 
 pub use extract::{EXTENSION, OFFSET_ATTRIBUTE, SCALED_ATTRIBUTE, extract};
 
+use std::collections::BTreeMap;
+
 use glam::{Vec2, Vec3};
 
 use crate::asset::Slot;
-use crate::image::{Image, Transfer};
+use crate::image::{Image, LevelRange, Transfer};
 
 pub use crate::math::frame::Frame;
 
@@ -30,6 +32,8 @@ pub struct FinishedTexture {
     pub transfer: Transfer,
     /// Level 0 first. All textures of one material have the same sizes, level by level.
     pub levels: Vec<Image>,
+    /// Levels that hold other values than codes of [0, 1]: images of 16 bits, never level 0.
+    pub ranges: BTreeMap<usize, LevelRange>,
 }
 
 impl FinishedTexture {

@@ -44,7 +44,8 @@ pub fn fidelity(
         origin,
         converted,
         source: origin.texels(origin.image),
-        level: Texels::new(finest, converted.meaning.transfer(), CLAMPED),
+        level: Texels::new(finest, converted.meaning.transfer(), CLAMPED)
+            .in_range(converted.texture.ranges.get(&0)),
         yardstick: Yardstick::new(origin, area_texels, finest.texel_count(), bits),
     };
     let chunks: Vec<[Errors; 2]> = points.par_chunks(CHUNK).map(|points| comparison.errors(points)).collect();

@@ -1,6 +1,8 @@
 //! Small finished conversions, made by hand: two triangles of a square, each in a block of its own, the
 //! texels taken from a function of position.
 
+use std::collections::BTreeMap;
+
 use glam::{Vec2, Vec3, Vec4};
 
 use super::surface::{self, Surface};
@@ -64,7 +66,13 @@ pub fn finished_by_triangle(slot: Slot, value: impl Fn(usize, Vec3) -> [u8; 3]) 
     let levels = levels.collect();
     let transfer = if slot.is_color() { Transfer::Srgb } else { Transfer::Linear };
     Finished {
-        textures: vec![FinishedTexture { material: 0, slots: vec![slot], transfer, levels }],
+        textures: vec![FinishedTexture {
+            material: 0,
+            slots: vec![slot],
+            transfer,
+            levels,
+            ranges: BTreeMap::new(),
+        }],
         primitives: vec![FinishedPrimitive {
             mesh: 0,
             primitive: 0,

@@ -3,6 +3,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
+use super::coarse_weights::Weights;
 use super::figures::{self, SAMPLES};
 use super::report::Unit;
 use super::texels::{Texels, cell_of, encode_codes, mixed, stored_components};
@@ -108,6 +109,7 @@ pub struct Judge<'a> {
     pub meaning: Meaning,
     /// How many components the image stores.
     pub components: u8,
+    pub weights: Weights,
 }
 
 impl Judge<'_> {
@@ -141,11 +143,11 @@ impl Judge<'_> {
     /// The filtered values at the samples of one side; the texels of a cell are decoded once.
     fn along(&self, track: &Track) -> [Vec4; SAMPLES] {
         let mut values = [Vec4::ZERO; SAMPLES];
-        let (mut known, part) = cell_of(track.at(0.0));
+        let (mut known, part) = cell_of(self.weights.place(track.at(0.0)));
         let mut corners = self.texels.corners(known);
         values[0] = mixed(&corners, part);
         for (sample, value) in values.iter_mut().enumerate().skip(1) {
-            let (cell, part) = cell_of(track.at(figures::position(sample)));
+            let (cell, part) = cell_of(self.weights.place(track.at(figures::position(sample))));
             if cell != known {
                 known = cell;
                 corners = self.texels.corners(cell);

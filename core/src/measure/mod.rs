@@ -5,6 +5,7 @@
 //! the bundle's guarantees.
 
 mod averages;
+mod coarse_weights;
 mod edges;
 mod fidelity;
 mod figures;

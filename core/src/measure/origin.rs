@@ -5,6 +5,7 @@ use std::borrow::Cow;
 
 use glam::{Vec2, Vec3};
 
+use super::coarse_weights::Weights;
 use super::edges::{EdgePair, Side};
 use super::figures::{Survey, survey, weighted_mean};
 use super::judge::{Judge, Meaning, Track};
@@ -172,6 +173,7 @@ impl SourceSeams {
         while levels.len() < level_limit {
             watch::check(watch)?;
             let judge = Judge {
+                weights: Weights::Exact,
                 texels: origin.texels(&image),
                 meaning: origin.meaning,
                 components: origin.components,

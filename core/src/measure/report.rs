@@ -69,6 +69,9 @@ pub struct ChannelReport {
     pub fidelity: Option<Fidelity>,
     /// One entry for each level that had anything out of range.
     pub solver: Vec<SolverReport>,
+    /// One entry for each level that is stored in a range of its own.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stored: Vec<StoredReport>,
 }
 
 /// Seam edges of the source: edges between faces of one unit whose texture coordinates differ.
@@ -92,6 +95,13 @@ pub struct LevelReport {
     pub size: [u32; 2],
     /// Over uncut edges (of a plain source: over all seam edges).
     pub seams: Option<Figures>,
+    /// The same with filter weights of 8 bits, over the edges that have a face beyond vertex colors on a
+    /// side; absent where there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seams_8bit_weights: Option<Figures>,
+    /// `scaled16` or `float16`; absent where the level holds codes of [0, 1].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range: Option<String>,
     /// Mean jump over the seam edges whose two sides agree in the source at level 0.
     pub drift: Option<f64>,
     /// The same figures of the source with ordinary mip maps, at its level of this number.
@@ -172,6 +182,8 @@ pub struct SolverReport {
     pub complementarity: f64,
     /// Change of the samples, in codes.
     pub change_mean_codes: f64,
+    #[serde(default)]
+    pub change_p95_codes: f64,
     pub change_max_codes: f64,
     /// Largest violation that the solver lets pass, linear values.
     #[serde(default)]
@@ -186,6 +198,18 @@ pub struct SolverReport {
     /// The same figures by stored component; a normal's three are one.
     #[serde(default)]
     pub components: Vec<SolverComponent>,
+}
+
+/// What storing did to the samples of one level in a range of its own, where nothing is solved.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StoredReport {
+    pub level: u32,
+    /// `scaled16` or `float16`.
+    pub range: String,
+    /// Change of the samples, as they are read back, in codes.
+    pub change_mean_codes: f64,
+    pub change_p95_codes: f64,
+    pub change_max_codes: f64,
 }
 
 /// One component of one level. Those that want the same values are solved once.

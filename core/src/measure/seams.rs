@@ -2,6 +2,7 @@
 
 use glam::Vec2;
 
+use super::coarse_weights::Weights;
 use super::edges::{EdgePair, Side};
 use super::figures::{Survey, survey};
 use super::judge::{Judge, Meaning, Track};
@@ -34,11 +35,18 @@ impl Converted<'_> {
 
     /// The jumps on the pairs with the given indices.
     pub fn survey(&self, level: usize, which: &[u32]) -> Survey {
+        self.survey_filtered(level, which, Weights::Exact)
+    }
+
+    /// The same with the weights of a sampler.
+    pub fn survey_filtered(&self, level: usize, which: &[u32], weights: Weights) -> Survey {
         let image = &self.texture.levels[level];
         let judge = Judge {
-            texels: Texels::new(image, self.meaning.transfer(), CLAMPED),
+            texels: Texels::new(image, self.meaning.transfer(), CLAMPED)
+                .in_range(self.texture.ranges.get(&level)),
             meaning: self.meaning,
             components: image.components,
+            weights,
         };
         // MCT equation 2; dividing by a power of two is exact.
         let scale = Vec2::splat((-(level as f32)).exp2());

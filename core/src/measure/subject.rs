@@ -7,12 +7,12 @@ use super::focus::{self, Candidate, Focus};
 use super::mip_error::Averages;
 use super::origin::{Origin, SourceSeams, meaning};
 use super::report::{
-    ChannelReport, CutShare, Growth, LayoutReport, LevelReport, SolverReport, SourceLevel, Unit,
+    ChannelReport, CutShare, Growth, LayoutReport, LevelReport, SolverReport, SourceLevel, StoredReport, Unit,
 };
 use super::seams::{self, Converted};
 use super::surface::Surface;
 use super::yardstick::Extent;
-use super::{layout, mips, points, surface};
+use super::{coarse_weights, layout, mips, points, surface};
 use crate::asset::{Asset, Slot};
 use crate::error::{Error, Result};
 use crate::finished::{Finished, FinishedTexture};
@@ -34,6 +34,8 @@ pub struct Extras {
     pub sample_counts: Vec<(usize, Vec<u64>)>,
     /// By finished texture; may be shorter.
     pub solver: Vec<Vec<SolverReport>>,
+    /// By finished texture; may be shorter.
+    pub stored: Vec<Vec<StoredReport>>,
     /// What area the yardstick spreads its texels over.
     pub yardstick: Extent,
 }
@@ -158,6 +160,7 @@ impl Subject<'_> {
             beyond_first.zip(errors.into_iter().flatten()).for_each(|(level, error)| level.mip_error = error);
         }
         channel.solver = self.extras.solver.get(number).cloned().unwrap_or_default();
+        channel.stored = self.extras.stored.get(number).cloned().unwrap_or_default();
         let candidate = source.as_ref().and_then(|source| {
             let kind = (channel.unit, texture.slots.contains(&Slot::BaseColor));
             focus::candidate(surface, source, &cut_flags, number, kind)
@@ -183,6 +186,8 @@ impl Subject<'_> {
                 level: number as u32,
                 size: image.size(),
                 seams,
+                seams_8bit_weights: coarse_weights::figures(converted, number, &uncut),
+                range: converted.texture.ranges.get(&number).map(|range| range.name().to_owned()),
                 drift: weighted_mean(&surface.pairs, &agreed, means.into_iter()),
                 source: source.and_then(|source| source.report(surface, number)),
                 mip_error: None,
@@ -217,6 +222,8 @@ pub fn source(asset: &Asset, watch: &dyn Watch) -> Result<Measured> {
                     level: level as u32,
                     size,
                     seams,
+                    seams_8bit_weights: None,
+                    range: None,
                     drift,
                     source: None,
                     mip_error: None,
@@ -257,6 +264,7 @@ fn described(asset: &Asset, material: usize, slots: &[Slot], image: &Image) -> C
         levels: Vec::new(),
         fidelity: None,
         solver: Vec::new(),
+        stored: Vec::new(),
     }
 }
 

@@ -6,8 +6,9 @@
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3, Vec4};
+use half::f16;
 
-use crate::image::{Image, Pixels, Transfer, Wrap, WrapMode};
+use crate::image::{Image, LevelRange, Pixels, Transfer, Wrap, WrapMode};
 
 /// Wrap of a converted level: its sampler clamps.
 pub const CLAMPED: Wrap = Wrap { s: WrapMode::ClampToEdge, t: WrapMode::ClampToEdge };
@@ -32,6 +33,10 @@ fn tables(last_code: u32) -> Tables {
 
 static OF_8_BITS: LazyLock<Tables> = LazyLock::new(|| tables(255));
 static OF_16_BITS: LazyLock<Tables> = LazyLock::new(|| tables(65535));
+
+/// What 16 bits are as half floats.
+static OF_HALF_FLOATS: LazyLock<Vec<f32>> =
+    LazyLock::new(|| (0..=u16::MAX).map(|bits| f16::from_bits(bits).to_f32()).collect());
 
 /// The tables of an image's depth.
 pub fn tables_of(image: &Image) -> &'static Tables {
@@ -70,13 +75,26 @@ pub struct Texels<'a> {
     wrap: Wrap,
     color: &'static [f32],
     plain: &'static [f32],
+    /// Scale and bias of what the tables give.
+    scaled: Option<[Vec4; 2]>,
 }
 
 impl<'a> Texels<'a> {
     pub fn new(image: &'a Image, transfer: Transfer, wrap: Wrap) -> Self {
         let tables = tables_of(image);
         let color = if transfer == Transfer::Srgb { &tables.srgb } else { &tables.plain };
-        Self { image, wrap, color, plain: &tables.plain }
+        Self { image, wrap, color, plain: &tables.plain, scaled: None }
+    }
+
+    /// The same with codes that mean what a level's range says, whatever the transfer.
+    pub fn in_range(self, range: Option<&LevelRange>) -> Self {
+        match range {
+            None => self,
+            Some(LevelRange::Float16) => Self { color: &OF_HALF_FLOATS, plain: &OF_HALF_FLOATS, ..self },
+            Some(LevelRange::Scaled16 { scale, bias }) => {
+                Self { color: self.plain, scaled: Some([*scale, *bias]), ..self }
+            }
+        }
     }
 
     pub fn size_texels(&self) -> Vec2 {
@@ -112,6 +130,15 @@ impl<'a> Texels<'a> {
 
     #[inline(always)]
     fn decoded<T: Copy + Into<usize>>(&self, codes: &[T], texel: usize) -> Vec4 {
+        let value = self.unscaled(codes, texel);
+        match self.scaled {
+            None => value,
+            Some([scale, bias]) => value * scale + bias,
+        }
+    }
+
+    #[inline(always)]
+    fn unscaled<T: Copy + Into<usize>>(&self, codes: &[T], texel: usize) -> Vec4 {
         let color = |code: T| self.color[code.into()];
         let plain = |code: T| self.plain[code.into()];
         match self.image.components {
@@ -234,6 +261,20 @@ mod tests {
         let repeated = Texels::new(&image, Transfer::Srgb, Wrap::default());
         assert_eq!(repeated.bilinear(Vec2::new(-0.25, 0.5))[0], 0.75);
         assert!((encode_codes(0.5) - 187.516).abs() < 1e-2);
+    }
+
+    #[test]
+    fn ranges_take_the_place_of_the_transfer() {
+        let bits = [-2.0, 6.0].map(|value| f16::from_f32(value).to_bits());
+        let image = Image { width: 2, height: 1, components: 1, pixels: Pixels::U16(bits.to_vec()) };
+        let of = |image, range| Texels::new(image, Transfer::Srgb, CLAMPED).in_range(Some(&range));
+        assert_eq!(of(&image, LevelRange::Float16).bilinear(Vec2::new(0.75, 0.5)), [0.0, 0.0, 0.0, 1.0]);
+        let image = Image { pixels: Pixels::U16(vec![0, 65535]), ..image };
+        let range = LevelRange::Scaled16 {
+            scale: Vec4::new(8.0, 8.0, 8.0, 1.0),
+            bias: Vec4::new(-2.0, -2.0, -2.0, 0.0),
+        };
+        assert_eq!(of(&image, range).bilinear(Vec2::new(0.75, 0.5)), [0.0, 0.0, 0.0, 1.0]);
     }
 
     #[test]

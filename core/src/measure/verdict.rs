@@ -97,6 +97,8 @@ mod tests {
             level: number as u32,
             size: [4, 4],
             seams: Some(Figures { max, p999, mean: 0.0, sample_count: 19_000 }),
+            seams_8bit_weights: None,
+            range: None,
             drift: None,
             source: None,
             mip_error: None,
@@ -112,6 +114,7 @@ mod tests {
             levels: figures.iter().enumerate().map(level).collect(),
             fidelity: None,
             solver: Vec::new(),
+            stored: Vec::new(),
         }
     }
 

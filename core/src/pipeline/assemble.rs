@@ -16,6 +16,7 @@ pub fn assemble(asset: &Asset, materials: &mut [MaterialConversion]) -> Finished
                 slots: channel.slots.clone(),
                 transfer: channel.transfer,
                 levels: std::mem::take(&mut channel.levels),
+                ranges: std::mem::take(&mut channel.ranges),
             });
         }
         finished.primitives.extend(primitives(asset, conversion, first_texture));

@@ -1,21 +1,27 @@
 //! One channel's journey: samples of level 0 to level images, with what the solver did on the way.
 
+use std::collections::BTreeMap;
+
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
 use crate::asset::Slot;
-use crate::assign::{Codec, LevelChannel, LevelValues, NormalFrames, paint, rules};
+use crate::assign::{
+    Codec, LevelChannel, LevelValues, NormalFrames, Range, Rounding, Storing, choose_range, paint, read_back,
+    rules,
+};
 use crate::colors::{Cuts, LevelNumbering, Resolutions};
 use crate::error::Result;
-use crate::image::{Image, Pixels, Transfer};
+use crate::image::{Image, LevelRange, Pixels, Transfer};
 use crate::layout::Layout;
-use crate::measure::SolverReport;
+use crate::measure::{SolverReport, StoredReport};
 use crate::mip::{Beyond, MipFilter, Rungs, coarsen, coverage, keep_coverage};
 use crate::resample::{Fit, Samples};
 use crate::solve::Solver;
 use crate::source::SourceChannel;
 use crate::watch::{Stage, Watch};
 
+use super::changes::Changes;
 use super::represent::represent;
 
 pub struct ChannelInput<'a> {
@@ -29,6 +35,8 @@ pub struct ChannelInput<'a> {
     pub mip: MipFilter,
     pub beyond: Beyond,
     pub solver: Solver,
+    pub range: Range,
+    pub rounding: Rounding,
 }
 
 pub struct FinishedChannel {
@@ -36,11 +44,15 @@ pub struct FinishedChannel {
     pub transfer: Transfer,
     pub cuts: Cuts,
     pub levels: Vec<Image>,
+    /// Of levels that are stored in one.
+    pub ranges: BTreeMap<usize, LevelRange>,
     /// Distinct samples by level.
     pub sample_counts: Vec<u64>,
     pub solver: Vec<SolverReport>,
     /// How the samples of level 0 were fitted, where they were.
     pub fit: Option<Fit>,
+    /// Of levels in a range.
+    pub stored: Vec<StoredReport>,
     pub is_alpha_weighted: bool,
     pub keeps_coverage: bool,
 }
@@ -59,9 +71,11 @@ pub fn finish_channel(
         transfer: input.channel.transfer,
         cuts: Cuts { edges: Vec::new() },
         levels: Vec::new(),
+        ranges: BTreeMap::new(),
         sample_counts: Vec::new(),
         solver: Vec::new(),
         fit: samples.fit,
+        stored: Vec::new(),
         is_alpha_weighted: by_alpha,
         keeps_coverage: input.mask_cutoff.is_some(),
     };
@@ -92,16 +106,36 @@ pub fn finish_channel(
             codec,
             frames: input.frames,
         };
-        let rules = rules(&level_channel);
         let mut wanted = LevelValues::new(wanted, topology.fan_count());
-        watch.stage(Stage::Solve);
-        finished.solver.extend(represent(&level_channel, &rules, &mut wanted, input.solver, watch)?);
-        watch.stage(Stage::Assign);
-        finished.levels.push(paint(&level_channel, &wanted, watch)?);
+        let range = choose_range(&level_channel, &wanted, input.range, watch)?;
+        if range.is_none() {
+            let rules = rules(&level_channel);
+            watch.stage(Stage::Solve);
+            finished.solver.extend(represent(&level_channel, &rules, &mut wanted, input.solver, watch)?);
+            watch.stage(Stage::Assign);
+        }
+        let storing = Storing { rounding: input.rounding, range };
+        let image = paint(&level_channel, &wanted, storing, watch)?;
+        if let Some(range) = range {
+            let changes = read_back(&level_channel, &wanted, &image, &range);
+            finished.stored.push(stored_report(level, range.name(), &Changes::new(changes)));
+            finished.ranges.insert(level, range);
+        }
+        finished.levels.push(image);
         finished.sample_counts.push(numbering.sample_count() as u64);
     }
     finished.cuts = input.cuts;
     Ok(finished)
+}
+
+fn stored_report(level: usize, range: &str, changes: &Changes) -> StoredReport {
+    StoredReport {
+        level: level as u32,
+        range: range.to_owned(),
+        change_mean_codes: changes.mean_codes,
+        change_p95_codes: changes.p95_codes,
+        change_max_codes: changes.max_codes,
+    }
 }
 
 /// What the channel is stored as: the source's components and bits, without an alpha that nobody reads.

@@ -82,6 +82,8 @@ pub fn convert_material(
             mip: options.mip,
             beyond: options.beyond,
             solver: options.solver,
+            range: options.range,
+            rounding: options.rounding,
         };
         finished.push(finish_channel(input, numbering, samples, watch)?);
         progress.advance(0.8 / sources.len() as f32);

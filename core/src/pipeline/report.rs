@@ -1,6 +1,7 @@
 //! The report of one conversion: what `measure` found, and what was done and why.
 
 use crate::asset::Asset;
+use crate::assign::Range;
 use crate::error::{Error, Result, Warning};
 use crate::finished::Finished;
 use crate::layout::BlockKind;
@@ -35,6 +36,7 @@ pub fn extras(materials: &[MaterialConversion]) -> Extras {
     Extras {
         sample_counts: materials.iter().map(counts).collect(),
         solver: materials.iter().flat_map(|m| &m.channels).map(|channel| channel.solver.clone()).collect(),
+        stored: materials.iter().flat_map(|m| &m.channels).map(|channel| channel.stored.clone()).collect(),
         ..Extras::default()
     }
 }
@@ -182,6 +184,7 @@ fn effects(materials: &[MaterialConversion], options: &Options) -> Vec<Effect> {
     let alpha = channels().filter(|channel| channel.is_alpha_weighted).count();
     let masks = channels().filter(|channel| channel.keeps_coverage).count();
     let solved: usize = channels().map(|channel| channel.solver.len()).sum();
+    let stored: usize = channels().map(|channel| channel.stored.len()).sum();
     let level_total: usize = channels().map(|channel| channel.sample_counts.len()).sum();
     let solve = match options.solver {
         Solver::Global | Solver::Exact => {
@@ -216,7 +219,28 @@ fn effects(materials: &[MaterialConversion], options: &Options) -> Vec<Effect> {
             some(beyond, format!("{beyond} faces are beyond vertex colors at the last level")),
             "all faces reach vertex colors at the same level",
         ),
-        effect("representability", some(solved, solve), "no texel was out of range"),
+        effect(
+            "representability",
+            some(solved, solve),
+            if stored > 0 {
+                "levels with texels out of range are stored in a range of their own"
+            } else {
+                "no texel was out of range"
+            },
+        ),
+        effect(
+            "level_ranges",
+            some(
+                stored,
+                format!(
+                    "{stored} of {level_total} channel levels are stored in 16 bits with a range of their own"
+                ),
+            ),
+            match options.range {
+                Range::Unorm8 => "the bounded format was asked for",
+                Range::Scaled16 | Range::Float16 => "no texel beyond vertex colors was out of range",
+            },
+        ),
         effect(
             "normal_encoding",
             some(normals, format!("{normals} materials store normals in frames of their own")),

@@ -14,6 +14,8 @@ use crate::solve::{
 };
 use crate::watch::{self, Watch};
 
+use super::changes::Changes;
+
 /// A sample counts for at least this share of the mean sample in the solver's objective: faces of no area
 /// must not make it singular.
 const WEIGHT_FLOOR: f64 = 1e-4;
@@ -64,10 +66,11 @@ pub fn represent(
         part(channel, rules, values, &systems, &solved);
     }
     let mut report = report(rules, &solved);
-    let (change_sum_codes, change_max_codes) = changes(channel, &before, &after);
+    let changes = Changes::among(changes(channel, &before, &after), values.samples.len());
     report.level = channel.numbering.level as u32;
-    report.change_mean_codes = change_sum_codes / values.samples.len() as f64;
-    report.change_max_codes = change_max_codes;
+    report.change_mean_codes = changes.mean_codes;
+    report.change_p95_codes = changes.p95_codes;
+    report.change_max_codes = changes.max_codes;
     report.stop_rule = stop_rule(solver).to_owned();
     Ok(Some(report))
 }
@@ -245,8 +248,8 @@ impl System {
     }
 }
 
-/// Sum and maximum of the samples' changes in codes, the largest component counting.
-fn changes(channel: &LevelChannel<'_>, before: &[Vec4], after: &[Vec4]) -> (f64, f64) {
+/// The samples' changes in codes, the largest component counting; those that are nothing are left out.
+fn changes(channel: &LevelChannel<'_>, before: &[Vec4], after: &[Vec4]) -> Vec<f64> {
     let is_color = channel.codec.transfer == Transfer::Srgb;
     let encode = |value: Vec4| {
         if !is_color {
@@ -256,12 +259,8 @@ fn changes(channel: &LevelChannel<'_>, before: &[Vec4], after: &[Vec4]) -> (f64,
     };
     // Normals span [-1, 1], two of these to a code range.
     let scale = if channel.frames.is_some() { 127.5 } else { 255.0 };
-    let mut sum = 0.0;
-    let mut max = 0.0f64;
-    for (before, after) in before.iter().zip(after).filter(|(before, after)| before != after) {
-        let change = f64::from((encode(*before) - encode(*after)).abs().max_element()) * scale;
-        sum += change;
-        max = max.max(change);
-    }
-    (sum, max)
+    let changed = before.iter().zip(after).filter(|(before, after)| before != after);
+    changed
+        .map(|(before, after)| f64::from((encode(*before) - encode(*after)).abs().max_element()) * scale)
+        .collect()
 }

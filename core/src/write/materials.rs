@@ -9,6 +9,7 @@ use serde_json::{Map, Value, json};
 use crate::asset::Asset;
 use crate::error::{Error, Result};
 use crate::finished::{EXTENSION, Finished, FinishedTexture};
+use crate::image::LevelRange;
 
 use super::draft::{Draft, at, index, member, object, remove_extension};
 use super::references::visit_texture_infos;
@@ -180,8 +181,30 @@ fn add_texture(draft: &mut Draft<'_>, texture: &FinishedTexture, levels: Vec<Vec
     }
     json.insert("sampler".to_owned(), sampler.into());
     json.insert("source".to_owned(), levels[0].into());
-    json.insert("extensions".to_owned(), json!({ EXTENSION: { "levels": levels } }));
+    let mut extension = Map::from_iter([("levels".to_owned(), levels.into())]);
+    if !texture.ranges.is_empty() {
+        extension.insert("ranges".to_owned(), ranges(texture));
+    }
+    json.insert("extensions".to_owned(), json!({ EXTENSION: extension }));
     draft.textures.push(Value::Object(json));
+}
+
+/// The levels that hold other values than codes of [0, 1], by number.
+fn ranges(texture: &FinishedTexture) -> Value {
+    let entry = |(level, range): (&usize, &LevelRange)| match range {
+        LevelRange::Float16 => json!({ "level": level, "format": range.name() }),
+        LevelRange::Scaled16 { scale, bias } => {
+            let stored: &[usize] = match texture.levels.get(*level).map_or(0, |image| image.components) {
+                1 => &[0],
+                2 => &[0, 3],
+                3 => &[0, 1, 2],
+                _ => &[0, 1, 2, 3],
+            };
+            let [scale, bias] = [scale, bias].map(|of| stored.iter().map(|&k| of[k]).collect::<Vec<f32>>());
+            json!({ "level": level, "format": range.name(), "scale": scale, "bias": bias })
+        }
+    };
+    texture.ranges.iter().map(entry).collect()
 }
 
 /// The materials that `KHR_materials_variants` maps a primitive to.

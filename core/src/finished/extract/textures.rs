@@ -1,13 +1,15 @@
 //! Converted textures by material: which slots read them, and their level images.
 
+use std::collections::BTreeMap;
+
 use serde_json::Value;
 
 use crate::asset::{Asset, Slot};
 use crate::error::{Error, Result};
 use crate::finished::FinishedTexture;
-use crate::image::{Image, Transfer};
+use crate::image::{Image, LevelRange, Transfer};
 
-use super::EXTENSION;
+use super::{EXTENSION, ranges};
 
 /// More levels than any image size can have.
 const LEVEL_COUNT_MAX: usize = 32;
@@ -21,14 +23,17 @@ pub fn of(asset: &Asset) -> Result<Vec<FinishedTexture>> {
         let mut numbers: Vec<u64> = Vec::new();
         for slot in Slot::ALL {
             let Some(number) = texture_number(&asset.document.json, material, slot) else { continue };
-            let Some(levels) = levels_json(&asset.document.json, number) else { continue };
+            let Some(extension) = extension_json(&asset.document.json, number) else { continue };
             match numbers.iter().position(|known| *known == number) {
                 Some(known) => all[first + known].add_slot(slot, material)?,
                 None => {
                     numbers.push(number);
-                    let levels = levels_of(asset, number, levels)?;
+                    let levels = levels_of(asset, number, extension)?;
+                    let place = format!("/textures/{number}/extensions/{EXTENSION}/ranges");
+                    let ranges = ranges::of(extension.get("ranges"), &levels, &place)?;
+                    check_codes(&levels, &ranges, number)?;
                     let transfer = transfer_of(slot);
-                    all.push(FinishedTexture { material, slots: vec![slot], transfer, levels });
+                    all.push(FinishedTexture { material, slots: vec![slot], transfer, levels, ranges });
                 }
             }
         }
@@ -62,14 +67,19 @@ fn texture_json(json: &Value, number: u64) -> Option<&Value> {
     json.get("textures")?.get(usize::try_from(number).ok()?)
 }
 
-fn levels_json(json: &Value, number: u64) -> Option<&Value> {
-    Some(texture_json(json, number)?.get("extensions")?.get(EXTENSION)?.get("levels").unwrap_or(&Value::Null))
+fn extension_json(json: &Value, number: u64) -> Option<&Value> {
+    texture_json(json, number)?.get("extensions")?.get(EXTENSION)
 }
 
-fn levels_of(asset: &Asset, number: u64, levels: &Value) -> Result<Vec<Image>> {
-    let place = format!("/textures/{number}/extensions/{EXTENSION}/levels");
+fn levels_place(number: u64) -> String {
+    format!("/textures/{number}/extensions/{EXTENSION}/levels")
+}
+
+fn levels_of(asset: &Asset, number: u64, extension: &Value) -> Result<Vec<Image>> {
+    let place = levels_place(number);
     let lie = |rule: String| Error::invalid(rule).at(&place);
-    let levels = levels.as_array().filter(|levels| !levels.is_empty() && levels.len() <= LEVEL_COUNT_MAX);
+    let levels = extension.get("levels").and_then(Value::as_array);
+    let levels = levels.filter(|levels| !levels.is_empty() && levels.len() <= LEVEL_COUNT_MAX);
     let levels = levels.ok_or_else(|| {
         lie(format!("\"levels\" has to be a list of 1 to {LEVEL_COUNT_MAX} image numbers, level 0 first"))
     })?;
@@ -86,16 +96,28 @@ fn levels_of(asset: &Asset, number: u64, levels: &Value) -> Result<Vec<Image>> {
             lie(format!("level {level} is {index}, which is not one of the file's {count} images"))
         })?;
         if let Some(first) = images.first() {
-            let same_codes = first.components == image.components && first.code_max() == image.code_max();
-            if !same_codes || image.width > first.width || image.height > first.height {
+            let is_smaller = image.width <= first.width && image.height <= first.height;
+            if first.components != image.components || !is_smaller {
                 return Err(lie(format!(
-                    "level {level} has to have the components and bits of level 0, and at most its size"
+                    "level {level} has to have the components of level 0, and at most its size"
                 )));
             }
         }
         images.push(image.clone());
     }
     Ok(images)
+}
+
+/// Levels without a range are stored as level 0 is.
+fn check_codes(levels: &[Image], ranges: &BTreeMap<usize, LevelRange>, number: u64) -> Result<()> {
+    let differs = |level: &usize| levels[*level].code_max() != levels[0].code_max();
+    match (0..levels.len()).filter(|level| !ranges.contains_key(level)).find(differs) {
+        Some(level) => {
+            Err(Error::invalid(format!("level {level} has to have the bits of level 0, or a range"))
+                .at(levels_place(number)))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Whether `read` decoded the image: one that it left out has no texels.

@@ -1,12 +1,14 @@
 //! A source file with one of everything that the writer has to carry over, and conversions made up for it.
 
+use std::collections::BTreeMap;
+
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 
 use super::parse;
 use crate::asset::{Asset, Primitive, Slot};
 use crate::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame, PrimitiveCuts};
-use crate::image::{Image, Pixels, Transfer};
+use crate::image::{Image, LevelRange, Pixels, Transfer};
 
 /// Bytes with the accessors over them.
 #[derive(Default)]
@@ -189,7 +191,13 @@ pub fn noise(width: u32, height: u32, components: u8, seed: u32) -> Image {
 fn texture(material: usize, slots: &[Slot], components: u8, seed: u32) -> FinishedTexture {
     let transfer = if slots[0].is_color() { Transfer::Srgb } else { Transfer::Linear };
     let levels = [(16, 8), (9, 5), (6, 4)].map(|(w, h)| noise(w, h, components, seed));
-    FinishedTexture { material, slots: slots.to_vec(), transfer, levels: levels.to_vec() }
+    FinishedTexture {
+        material,
+        slots: slots.to_vec(),
+        transfer,
+        levels: levels.to_vec(),
+        ranges: BTreeMap::new(),
+    }
 }
 
 /// Every triangle of the primitives with textured materials, at places of no meaning.
@@ -230,4 +238,36 @@ pub fn converted() -> (Asset, Finished, Vec<u8>) {
     let finished = finished(&asset);
     let glb = super::super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap();
     (asset, finished, glb)
+}
+
+/// The same with ranges in every texture: level 1 scaled, level 2 of half floats.
+pub fn ranged() -> (Asset, Finished) {
+    let asset = parse::asset(&source_glb());
+    let mut finished = finished(&asset);
+    for texture in &mut finished.textures {
+        let scale = Vec4::new(1.5, 0.1, 7.0, 0.25);
+        let bias = Vec4::new(-0.3, 0.7, 1e-3, -2.0);
+        // What is not stored has no range.
+        let range = match texture.levels[1].components {
+            3 => LevelRange::Scaled16 {
+                scale: scale.truncate().extend(1.0),
+                bias: bias.truncate().extend(0.0),
+            },
+            _ => LevelRange::Scaled16 { scale, bias },
+        };
+        texture.ranges = BTreeMap::from([(1, range), (2, LevelRange::Float16)]);
+        let [_, scaled, half] = texture.levels.as_mut_slice() else { panic!("three levels") };
+        deepen(scaled, |code| code.wrapping_mul(4093));
+        // The bits of a number under 2.
+        deepen(half, |code| code & 0x3fff);
+    }
+    (asset, finished)
+}
+
+fn deepen(image: &mut Image, change: impl Fn(u16) -> u16) {
+    let codes: Vec<u16> = match &image.pixels {
+        Pixels::U8(codes) => codes.iter().map(|&code| u16::from(code)).collect(),
+        Pixels::U16(codes) => codes.clone(),
+    };
+    image.pixels = Pixels::U16(codes.into_iter().map(change).collect());
 }

@@ -84,7 +84,63 @@ fn textures_of_one_material_share_their_sizes() {
         .clone();
         levels(asset)[2] = last;
     });
-    expect(mixed, "/textures/", "components and bits of level 0");
+    expect(mixed, "/textures/", "of level 0");
+}
+
+/// What is said of a sound file with ranges on levels 1 and 2, after a change to a list of them.
+fn range_lie(change: impl FnOnce(&mut Value)) -> (String, String) {
+    let (asset, finished) = fixture::ranged();
+    let glb = crate::write::glb(&asset, &finished, &crate::watch::Unwatched).unwrap();
+    let mut asset = parse::asset(&glb);
+    assert_eq!(extract(&asset).unwrap().unwrap().textures, finished.textures);
+    let textures = asset.document.json["textures"].as_array_mut().unwrap();
+    let ranges = textures
+        .iter_mut()
+        .filter_map(|texture| texture["extensions"]["MCT_mesh_color_texture"].get_mut("ranges"))
+        .find(|ranges| ranges[0]["format"] == "scaled16");
+    change(ranges.unwrap());
+    let error = extract(&asset).unwrap_err();
+    assert_eq!(error.code, ErrorCode::InvalidModel);
+    (error.pointer.unwrap_or_default(), error.detail)
+}
+
+#[test]
+fn ranges_fit_their_images() {
+    let place = "/textures/";
+    expect(range_lie(|ranges| *ranges = json!({})), place, "list of objects");
+    for level in [json!(0), json!(3), json!(-1), json!("1"), Value::Null] {
+        expect(range_lie(|ranges| ranges[0]["level"] = level), place, "one of 1 to 2");
+    }
+    let twice = |ranges: &mut Value| {
+        let first = ranges[0].clone();
+        ranges.as_array_mut().unwrap().push(first);
+    };
+    expect(range_lie(twice), place, "has two ranges");
+    expect(range_lie(|ranges| ranges[0]["format"] = "float64".into()), place, "\"scaled16\" or \"float16\"");
+    // The codes of the fixture are noise: some are bits of no number.
+    expect(range_lie(|ranges| ranges[0]["format"] = "float16".into()), place, "no numbers");
+    for (name, value) in [
+        ("scale", json!(0.0)),
+        ("scale", json!(-1.0)),
+        ("scale", json!(1e39)),
+        ("bias", json!(-1e39)),
+        ("bias", Value::Null),
+    ] {
+        expect(range_lie(|ranges| ranges[0][name][0] = value), place, &format!("\"{name}\" has to be"));
+    }
+    expect(
+        range_lie(|ranges| ranges[0]["bias"].as_array_mut().unwrap().clear()),
+        place,
+        "\"bias\" has to be",
+    );
+    let shallow = lie(|asset| {
+        let textures = asset.document.json["textures"].as_array_mut().unwrap();
+        for texture in textures.iter_mut().filter(|texture| texture["extensions"].is_object()) {
+            texture["extensions"]["MCT_mesh_color_texture"]["ranges"] =
+                json!([{ "level": 1, "format": "float16" }]);
+        }
+    });
+    assert!(shallow.1.contains("16 bits") || shallow.1.contains("no numbers"), "{shallow:?}");
 }
 
 #[test]

@@ -39,16 +39,20 @@ fn texel(image: &Image, transfer: Transfer, x: u32, y: u32) -> Vec4 {
 
 /// The bilinear value at a place in texels.
 pub fn bilinear(image: &Image, transfer: Transfer, wrap: Wrap, at_texels: Vec2) -> Vec4 {
+    filtered(image.size(), wrap, at_texels, |x, y| texel(image, transfer, x, y))
+}
+
+/// The bilinear mix of what `texel` gives.
+#[inline]
+fn filtered(size: [u32; 2], wrap: Wrap, at_texels: Vec2, texel: impl Fn(u32, u32) -> Vec4) -> Vec4 {
     let corner = at_texels - 0.5;
     let floor = corner.floor();
     let fraction = corner - floor;
     let (x, y) = (floor.x as i64, floor.y as i64);
-    let columns = [wrap.s.apply(x, image.width), wrap.s.apply(x + 1, image.width)];
-    let rows = [wrap.t.apply(y, image.height), wrap.t.apply(y + 1, image.height)];
-    let top = texel(image, transfer, columns[0], rows[0])
-        .lerp(texel(image, transfer, columns[1], rows[0]), fraction.x);
-    let bottom = texel(image, transfer, columns[0], rows[1])
-        .lerp(texel(image, transfer, columns[1], rows[1]), fraction.x);
+    let columns = [wrap.s.apply(x, size[0]), wrap.s.apply(x + 1, size[0])];
+    let rows = [wrap.t.apply(y, size[1]), wrap.t.apply(y + 1, size[1])];
+    let top = texel(columns[0], rows[0]).lerp(texel(columns[1], rows[0]), fraction.x);
+    let bottom = texel(columns[0], rows[1]).lerp(texel(columns[1], rows[1]), fraction.x);
     top.lerp(bottom, fraction.y)
 }
 
@@ -65,7 +69,11 @@ pub fn sample_mip_maps(texture: &Texture<'_>, wrap: Wrap, uv: Vec2, lambda: f32,
 pub fn sample_mesh_colors(texture: &Texture<'_>, coordinate: Vec4, lambda: f32, filter: Filter) -> Vec4 {
     between_levels(texture, lambda, filter, |level| {
         let place = mct_place(coordinate, level);
-        bilinear(texture.level(level as usize), texture.transfer, CLAMP, place)
+        let image = texture.level(level as usize);
+        match texture.range(level as usize) {
+            None => bilinear(image, texture.transfer, CLAMP, place),
+            Some(range) => filtered(image.size(), CLAMP, place, |x, y| range.texel(image, x, y)),
+        }
     })
 }
 
@@ -82,8 +90,36 @@ fn between_levels(texture: &Texture<'_>, lambda: f32, filter: Filter, fetch: imp
 
 #[cfg(test)]
 mod tests {
+    use std::borrow::Cow;
+    use std::collections::BTreeMap;
+
     use super::*;
-    use meshcolor::image::WrapMode;
+    use meshcolor::image::{LevelRange, WrapMode};
+
+    /// A level in a range shows its values, not its codes as color.
+    #[test]
+    fn ranges_are_decoded_before_filtering() {
+        let value = |x: u32, y: u32| x as f32 * 0.7 - y as f32 * 0.4 - 0.5;
+        for range in [
+            LevelRange::spanning(Vec4::new(-3.0, -3.0, -3.0, 0.0), Vec4::new(5.0, 5.0, 5.0, 1.0)),
+            LevelRange::Float16,
+        ] {
+            let texels = (0..3).flat_map(|y| (0..4).map(move |x| (x, y)));
+            let codes = texels.map(|(x, y)| range.encode(0, value(x, y))).collect();
+            let coarse = Image { width: 4, height: 3, components: 1, pixels: Pixels::U16(codes) };
+            let fine = Image { width: 4, height: 3, components: 1, pixels: Pixels::U8(vec![90; 12]) };
+            let texture = Texture {
+                transfer: Transfer::Srgb,
+                levels: vec![Cow::Owned(fine), Cow::Owned(coarse)],
+                ranges: BTreeMap::from([(1, range)]),
+            };
+            let coordinate = Vec4::new(2.0, 0.0, 0.75, 1.5);
+            let shown = sample_mesh_colors(&texture, coordinate, 0.0, Filter::Level(1));
+            assert!((shown.x - 0.7 * 1.25 + 0.4 + 0.5).abs() < 1e-3, "{range:?}: {shown}");
+            let fine = sample_mesh_colors(&texture, coordinate, 0.0, Filter::Level(0));
+            assert_eq!(fine.x, SRGB8_TO_LINEAR[90]);
+        }
+    }
 
     #[test]
     fn the_table_gives_what_the_core_gives() {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use half::f16;
-use meshcolor::image::{Image, Pixels, Transfer, WrapMode};
+use meshcolor::image::{Image, LevelRange, Pixels, Transfer, WrapMode};
 use rayon::prelude::*;
 
 use super::device::Gpu;
@@ -70,7 +70,7 @@ fn upload_mip_maps(gpu: &Gpu, texture: &Texture<'_>) -> Result<Uploaded, Preview
     let format = format_of(texture);
     let created = create(gpu, size, texture.levels.len() as u32, format);
     for (level, image) in texture.levels.iter().enumerate() {
-        write(gpu, &created, level as u32, [0, 0], (image, texture.transfer));
+        write(gpu, &created, level as u32, [0, 0], (image, texture.transfer, None));
     }
     Ok(Uploaded { view: created.create_view(&wgpu::TextureViewDescriptor::default()), levels: vec![] })
 }
@@ -80,9 +80,9 @@ fn upload_stack(gpu: &Gpu, texture: &Texture<'_>) -> Result<Uploaded, PreviewErr
     let Stack { size, levels } = stack(&sizes);
     ensure_size(gpu, size)?;
     let created = create(gpu, size, 1, format_of(texture));
-    for (image, level) in texture.levels.iter().zip(&levels) {
+    for (number, (image, level)) in texture.levels.iter().zip(&levels).enumerate() {
         let origin = [level.origin.x as u32, level.origin.y as u32];
-        write(gpu, &created, 0, origin, (image, texture.transfer));
+        write(gpu, &created, 0, origin, (image, texture.transfer, texture.range(number)));
     }
     Ok(Uploaded { view: created.create_view(&wgpu::TextureViewDescriptor::default()), levels })
 }
@@ -97,9 +97,10 @@ fn ensure_size(gpu: &Gpu, size: [u32; 2]) -> Result<(), PreviewError> {
 }
 
 /// 16-bit codes become half floats in linear light: there is no 16-bit sRGB format, and this one is
-/// filtered everywhere.
+/// filtered everywhere. So do all levels of a stack that has one in a range, decoded.
 fn format_of(texture: &Texture<'_>) -> wgpu::TextureFormat {
     match (&texture.level(0).pixels, texture.transfer) {
+        _ if !texture.ranges.is_empty() => wgpu::TextureFormat::Rgba16Float,
         (Pixels::U16(_), _) => wgpu::TextureFormat::Rgba16Float,
         (Pixels::U8(_), Transfer::Srgb) => wgpu::TextureFormat::Rgba8UnormSrgb,
         (Pixels::U8(_), Transfer::Linear) => wgpu::TextureFormat::Rgba8Unorm,
@@ -119,8 +120,12 @@ fn create(gpu: &Gpu, [width, height]: [u32; 2], levels: u32, format: wgpu::Textu
     })
 }
 
-fn write(gpu: &Gpu, to: &wgpu::Texture, level: u32, [x, y]: [u32; 2], (image, transfer): (&Image, Transfer)) {
-    let bytes = texels(image, transfer, to.format() == wgpu::TextureFormat::Rgba16Float);
+/// What the texels of an image mean.
+type Meaning<'a> = (&'a Image, Transfer, Option<&'a LevelRange>);
+
+fn write(gpu: &Gpu, to: &wgpu::Texture, level: u32, [x, y]: [u32; 2], meaning: Meaning<'_>) {
+    let image = meaning.0;
+    let bytes = texels(meaning, to.format() == wgpu::TextureFormat::Rgba16Float);
     let bytes_per_row = (bytes.len() / image.height as usize) as u32;
     gpu.queue.write_texture(
         wgpu::TexelCopyTextureInfo {
@@ -136,7 +141,7 @@ fn write(gpu: &Gpu, to: &wgpu::Texture, level: u32, [x, y]: [u32; 2], (image, tr
 }
 
 /// Four components a texel, in the device's format.
-fn texels(image: &Image, transfer: Transfer, as_half: bool) -> Vec<u8> {
+fn texels((image, transfer, range): Meaning<'_>, as_half: bool) -> Vec<u8> {
     let components = image.components as usize;
     match &image.pixels {
         Pixels::U8(codes) if !as_half => {
@@ -152,9 +157,12 @@ fn texels(image: &Image, transfer: Transfer, as_half: bool) -> Vec<u8> {
         }
         _ => {
             let rows = (0..image.height).into_par_iter();
-            let values = rows.flat_map_iter(|y| {
-                (0..image.width).flat_map(move |x| image.linear(x, y, transfer).map(f16::from_f32))
-            });
+            let value = |x: u32, y: u32| match range {
+                None => image.linear(x, y, transfer),
+                Some(range) => range.texel(image, x, y).to_array(),
+            };
+            let values =
+                rows.flat_map_iter(|y| (0..image.width).flat_map(move |x| value(x, y).map(f16::from_f32)));
             let values: Vec<f16> = values.collect();
             values.iter().flat_map(|value| value.to_le_bytes()).collect()
         }

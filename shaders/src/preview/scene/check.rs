@@ -15,6 +15,10 @@ pub fn check(asset: &Asset, finished: &Finished) -> Result<(), PreviewError> {
         for (level, image) in texture.levels.iter().enumerate() {
             ensure(is_whole(image), || format!("level {level} of texture {number}"))?;
         }
+        let is_deep = |level: &usize| {
+            texture.levels.get(*level).is_some_and(|image| matches!(image.pixels, Pixels::U16(_)))
+        };
+        ensure(texture.ranges.keys().all(is_deep), || format!("ranges of texture {number}"))?;
     }
     for (number, image) in asset.images.iter().enumerate() {
         ensure(is_whole(image), || format!("source image {number}"))?;

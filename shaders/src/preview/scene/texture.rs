@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use meshcolor::asset::Asset;
 use meshcolor::finished::Finished;
-use meshcolor::image::{Image, Transfer};
+use meshcolor::image::{Image, LevelRange, Transfer};
 
 use super::mips::mip_maps;
 
@@ -13,11 +13,17 @@ use super::mips::mip_maps;
 pub struct Texture<'a> {
     pub transfer: Transfer,
     pub levels: Vec<Cow<'a, Image>>,
+    /// Of a converted texture: levels that hold other values than codes of [0, 1].
+    pub ranges: BTreeMap<usize, LevelRange>,
 }
 
 impl Texture<'_> {
     pub fn level(&self, level: usize) -> &Image {
         &self.levels[level.min(self.levels.len() - 1)]
+    }
+
+    pub fn range(&self, level: usize) -> Option<&LevelRange> {
+        self.ranges.get(&level.min(self.levels.len() - 1))
     }
 }
 
@@ -35,6 +41,7 @@ impl<'a> TextureList<'a> {
         let converted = finished.textures.iter().map(|texture| Texture {
             transfer: texture.transfer,
             levels: texture.levels.iter().map(Cow::Borrowed).collect(),
+            ranges: texture.ranges.clone(),
         });
         Self { asset, textures: converted.collect(), sources: BTreeMap::new() }
     }
@@ -48,7 +55,7 @@ impl<'a> TextureList<'a> {
             let levels = std::iter::once(Cow::Borrowed(finest))
                 .chain(mip_maps(finest, transfer).into_iter().map(Cow::Owned))
                 .collect();
-            textures.push(Texture { transfer, levels });
+            textures.push(Texture { transfer, levels, ranges: BTreeMap::new() });
             textures.len() - 1
         })
     }

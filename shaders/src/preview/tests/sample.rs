@@ -2,6 +2,8 @@
 //! at an odd angle, and the same patches as blocks of mesh color textures. Colors and normals are functions
 //! of the place on the ball, so the converted form is seamless by construction and the source is not.
 
+use std::collections::BTreeMap;
+
 use glam::{Affine3A, Mat2, Vec2, Vec3, Vec4};
 use meshcolor::asset::{
     AlphaMode, Asset, Face, Instance, Material, Mesh, Primitive, Slot, TextureRef, UvTransform,
@@ -246,8 +248,13 @@ pub fn ball() -> Conversion {
         level_image(level, Transfer::Srgb, |patch, at| color(place(patch, at), blur))
     });
     let normal = (0..=EXPONENT).map(|level| level_image(level, Transfer::Linear, normal_value));
-    let texture =
-        |slot, transfer, levels| FinishedTexture { material: 0, slots: vec![slot], transfer, levels };
+    let texture = |slot, transfer, levels| FinishedTexture {
+        material: 0,
+        slots: vec![slot],
+        transfer,
+        levels,
+        ranges: BTreeMap::new(),
+    };
     let finished = Finished {
         textures: vec![
             texture(Slot::BaseColor, Transfer::Srgb, base.collect()),

@@ -1,0 +1,75 @@
+//! The texels of one row of blocks, as something to write lines of values into.
+
+use glam::Vec4;
+
+use super::cell::Cell;
+use crate::assign::codec::{LevelCodec, Line, write_line8, write_line16};
+
+/// Where values go.
+pub(super) enum Sheet<'a> {
+    Codes8(&'a mut [u8]),
+    Codes16(&'a mut [u16]),
+    /// Nowhere: the least and the largest value by component are noted.
+    Extent(&'a mut [[Vec4; 2]]),
+}
+
+/// The texel rows from `first_row` on.
+pub(super) struct Band<'a> {
+    pub sheet: Sheet<'a>,
+    pub codec: LevelCodec,
+    /// Texels.
+    pub width: usize,
+    pub first_row: usize,
+}
+
+impl Band<'_> {
+    /// The number of a texel of the image among those of the band.
+    pub fn texel(&self, x: u32, y: u32) -> usize {
+        (y as usize - self.first_row) * self.width + x as usize
+    }
+
+    pub fn write(&mut self, line: Line<'_>) {
+        match &mut self.sheet {
+            Sheet::Codes8(codes) => write_line8(&self.codec.plain, codes, line),
+            Sheet::Codes16(codes) => write_line16(&self.codec, codes, line),
+            Sheet::Extent(extents) => {
+                for [low, high] in extents.iter_mut() {
+                    *low = line.values.iter().fold(*low, |low, value| low.min(*value));
+                    *high = line.values.iter().fold(*high, |high, value| high.max(*value));
+                }
+            }
+        }
+    }
+
+    pub fn put(&mut self, texel: usize, value: Vec4) {
+        self.write(Line { first: texel, step: 1, values: &[value] });
+    }
+
+    /// Writes four texels, given what they should hold, with the codes that show least of it in between.
+    pub fn put_cell(&mut self, texels: [usize; 4], wanted: &[Vec4; 4], cell: &Cell) {
+        let stored = self.codec.plain.stored();
+        for (slot, &component) in stored.iter().enumerate() {
+            let codes = || cell.codes(&self.codec, component, wanted.map(|value| value[component]));
+            let at = texels.map(|texel| texel * stored.len() + slot);
+            match &mut self.sheet {
+                Sheet::Codes8(sheet) => at.iter().zip(codes()).for_each(|(&at, code)| sheet[at] = code as u8),
+                Sheet::Codes16(sheet) => at.iter().zip(codes()).for_each(|(&at, code)| sheet[at] = code),
+                Sheet::Extent(_) => {}
+            }
+        }
+    }
+
+    /// The value that a texel holds since it was written; `None` where values go nowhere.
+    pub fn read(&self, texel: usize) -> Option<Vec4> {
+        let count = usize::from(self.codec.plain.components);
+        let mut stored = [0; 4];
+        match &self.sheet {
+            Sheet::Codes8(codes) => {
+                stored.iter_mut().zip(&codes[texel * count..][..count]).for_each(|(s, c)| *s = u16::from(*c));
+            }
+            Sheet::Codes16(codes) => stored[..count].copy_from_slice(&codes[texel * count..][..count]),
+            Sheet::Extent(_) => return None,
+        }
+        Some(self.codec.decode(stored))
+    }
+}

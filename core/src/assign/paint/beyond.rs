@@ -1,0 +1,117 @@
+//! Beyond vertex colors: the function through the corners of one triangle, one quad or both triangles of a
+//! pair, extrapolated to the texels around it (MCT 3.4). In 64 bits: the weights reach `4^(level - r)`.
+
+use glam::{DVec2, DVec4, Vec4};
+
+use crate::layout::Block;
+
+use super::Painter;
+use super::band::Band;
+use super::cell::Cell;
+use crate::assign::{LevelChannel, Rounding, corner_point};
+
+impl Painter<'_> {
+    /// Writes the texels around a block, or around one of two lone triangles.
+    pub(super) fn extrapolate(&self, band: &mut Band<'_>, block: &Block, faces: &[Option<u32>]) {
+        let corners = self.corner_values(faces);
+        let first_face = faces[0].unwrap_or(0) as usize;
+        let cell = BeyondCell::new(self.channel, block, first_face);
+        // One texel more than the bilinear footprint: a corner that stands exactly on its far side may be
+        // rounded across.
+        for dy in 0..cell.columns_rows[1] {
+            for dx in 0..cell.columns_rows[0] {
+                let texel = band.texel(cell.first[0] + dx, cell.first[1] + dy);
+                band.put(texel, extrapolated(&corners, cell.at(dx, dy)));
+            }
+        }
+        if self.rounding == Rounding::Rules
+            && let Some(between) = cell.between(&corners)
+        {
+            let steps = [(0, 0), (1, 0), (0, 1), (1, 1)];
+            let texels = steps.map(|(dx, dy)| band.texel(cell.first[0] + dx, cell.first[1] + dy));
+            band.put_cell(texels, &steps.map(|(dx, dy)| extrapolated(&corners, cell.at(dx, dy))), &between);
+        }
+    }
+
+    /// Stored values at the corners of the block's square, where the faces have them.
+    fn corner_values(&self, faces: &[Option<u32>]) -> [[Option<DVec4>; 2]; 2] {
+        let mut values = [[None; 2]; 2];
+        let numbering = self.channel.numbering;
+        for face in faces.iter().flatten().map(|&face| face as usize) {
+            let canvas_face = &numbering.canvas.faces[face];
+            for corner in 0..canvas_face.count() {
+                let [x, y] = self.channel.layout.placements[face].corners[corner].map(usize::from);
+                let sample = numbering.topology.fan_of[face][corner] as usize;
+                let (s, t) = corner_point(canvas_face.is_triangle(), corner);
+                let value = self.values.corner(face, corner, sample);
+                values[y][x] = Some(self.channel.stored(face, value, s, t));
+            }
+        }
+        values
+    }
+}
+
+/// The texels around a block (or one of two lone triangles) beyond vertex colors.
+pub(in crate::assign) struct BeyondCell {
+    pub first: [u32; 2],
+    /// 2, or 3 where the far side stands exactly on a texel center.
+    pub columns_rows: [u32; 2],
+    corner: DVec2,
+    segments_per_texel: f64,
+}
+
+impl BeyondCell {
+    pub fn new(channel: &LevelChannel<'_>, block: &Block, face: usize) -> Self {
+        let level = channel.numbering.level;
+        let shift = channel.layout.placements[face].shift;
+        let corner = block.corner(level) + DVec2::new(f64::from(shift), 0.0);
+        let side = f64::from(block.segments) / (level as f64).exp2();
+        let first = corner.floor();
+        let far = corner + side;
+        let count = |far: f64, first: f64| if far - first >= 1.0 { 3 } else { 2 };
+        Self {
+            first: [first.x as u32, first.y as u32],
+            columns_rows: [count(far.x, first.x), count(far.y, first.y)],
+            corner,
+            segments_per_texel: 1.0 / side,
+        }
+    }
+
+    /// The corners that are there, among the first two by two texels: the far ones stand on them too.
+    fn between(&self, corners: &[[Option<DVec4>; 2]; 2]) -> Option<Cell> {
+        let near = self.corner - DVec2::new(f64::from(self.first[0]), f64::from(self.first[1]));
+        let all = [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().filter(|&(x, y)| corners[y][x].is_some());
+        let places = all.map(|(x, y)| near + DVec2::new(x as f64, y as f64) / self.segments_per_texel);
+        Cell::new(&places.collect::<Vec<_>>())
+    }
+
+    /// A texel's place on the block's unit square (far outside it at high levels).
+    pub fn at(&self, dx: u32, dy: u32) -> DVec2 {
+        let texel = DVec2::new(f64::from(self.first[0] + dx), f64::from(self.first[1] + dy));
+        (texel - self.corner) * self.segments_per_texel
+    }
+}
+
+/// The bilinear function through four corners of the unit square, or the linear one through three. The
+/// weights sum to 1.
+fn extrapolated(corners: &[[Option<DVec4>; 2]; 2], at: DVec2) -> Vec4 {
+    let mut value = DVec4::ZERO;
+    for ([x, y], weight) in corner_weights(corners.map(|row| row.map(|c| c.is_some())), at) {
+        value += corners[y][x].unwrap_or(DVec4::ZERO) * weight;
+    }
+    value.as_vec4()
+}
+
+/// Weights of the corners of the unit square at a point, four or the three that are there.
+pub(in crate::assign) fn corner_weights(there: [[bool; 2]; 2], at: DVec2) -> Vec<([usize; 2], f64)> {
+    let all = [[0, 0], [1, 0], [0, 1], [1, 1]];
+    let Some(missing) = all.into_iter().find(|&[x, y]| !there[y][x]) else {
+        let axis = |k: usize, v: f64| if k == 1 { v } else { 1.0 - v };
+        return all.into_iter().map(|[x, y]| ([x, y], axis(x, at.x) * axis(y, at.y))).collect();
+    };
+    // Measured from the right angle, which is opposite to what is missing.
+    let [rx, ry] = [1 - missing[0], 1 - missing[1]];
+    let along = |corner: usize, v: f64| if corner == 1 { 1.0 - v } else { v };
+    let (a, b) = (along(rx, at.x), along(ry, at.y));
+    vec![([rx, ry], 1.0 - a - b), ([1 - rx, ry], a), ([rx, 1 - ry], b)]
+}

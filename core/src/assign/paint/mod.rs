@@ -1,0 +1,134 @@
+//! Samples to level images.
+
+mod band;
+mod beyond;
+mod cell;
+mod extent;
+mod up_to_vertex;
+
+pub(super) use beyond::{BeyondCell, corner_weights};
+pub use extent::choose_range;
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::image::{Image, LevelRange, Pixels};
+use crate::layout::{Block, BlockKind};
+use crate::watch::{self, Watch};
+
+use super::codec::LevelCodec;
+use super::{LevelChannel, LevelValues, Rounding};
+use band::{Band, Sheet};
+use up_to_vertex::Scratch;
+
+/// How a level is stored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Storing {
+    pub rounding: Rounding,
+    /// `None`: codes of [0, 1].
+    pub range: Option<LevelRange>,
+}
+
+/// Paints one level. `values` are the samples, representable up to rounding.
+///
+/// Rounding comes last. By [`Rounding::Rules`] it is shared: copies round the sample once for all faces,
+/// points of coarser edges are worked out from rounded samples and border texels from stored texels, so
+/// that only their own rounding is left (none at all for the borders of linear formats). Beyond vertex
+/// colors the weights are large, so there the samples enter unrounded, and the four texels around a face are
+/// rounded together, to what shows least at its corners.
+///
+/// # Errors
+/// `Canceled`.
+pub fn paint(
+    channel: &LevelChannel<'_>,
+    values: &LevelValues,
+    storing: Storing,
+    watch: &dyn Watch,
+) -> Result<Image> {
+    let [width, height] = channel.layout.sizes[channel.numbering.level];
+    let codec = LevelCodec { plain: channel.codec, range: storing.range };
+    let components = channel.codec.components;
+    let painter = Painter { channel, values, codec, rounding: storing.rounding };
+    let code_count = width as usize * height as usize * usize::from(components);
+    let pixels = if codec.plain.bits == 8 && storing.range.is_none() {
+        let mut codes = vec![0; code_count];
+        painter.paint(rows(channel, &mut codes), |codes| Sheet::Codes8(codes), watch)?;
+        Pixels::U8(codes)
+    } else {
+        let mut codes = vec![0; code_count];
+        painter.paint(rows(channel, &mut codes), |codes| Sheet::Codes16(codes), watch)?;
+        Pixels::U16(codes)
+    };
+    Ok(Image { width, height, components, pixels })
+}
+
+struct Painter<'a> {
+    channel: &'a LevelChannel<'a>,
+    values: &'a LevelValues,
+    codec: LevelCodec,
+    rounding: Rounding,
+}
+
+/// One row of blocks and the texel rows that they stand on.
+struct Row<'a, C> {
+    blocks: &'a [Block],
+    codes: &'a mut [C],
+    first_row: u32,
+}
+
+/// The image cut into the rows of its layout; every code belongs to one.
+fn rows<'a, C>(channel: &LevelChannel<'a>, codes: &'a mut [C]) -> Vec<Row<'a, C>> {
+    let layout = channel.layout;
+    let level = channel.numbering.level;
+    let [width, height] = layout.sizes[level];
+    let row_codes = width as usize * usize::from(channel.codec.components);
+    let mut rows = Vec::with_capacity(layout.row_starts.len());
+    let mut rest = codes;
+    for (row, &start) in layout.row_starts.iter().enumerate() {
+        let first_row = layout.blocks[start].corner(level).y as u32;
+        let next = layout.row_starts.get(row + 1).copied();
+        let end_row = next.map_or(height, |next| layout.blocks[next].corner(level).y as u32);
+        let (codes, after) = rest.split_at_mut((end_row - first_row) as usize * row_codes);
+        rest = after;
+        let blocks = &layout.blocks[start..next.unwrap_or(layout.blocks.len())];
+        rows.push(Row { blocks, codes, first_row });
+    }
+    rows
+}
+
+impl Painter<'_> {
+    fn paint<C: Send>(
+        &self,
+        rows: Vec<Row<'_, C>>,
+        sheet: impl Fn(&mut [C]) -> Sheet<'_> + Sync,
+        watch: &dyn Watch,
+    ) -> Result<()> {
+        let width = self.channel.layout.sizes[self.channel.numbering.level][0] as usize;
+        rows.into_par_iter().try_for_each_init(Scratch::default, |scratch, row| {
+            watch::check(watch)?;
+            let (sheet, first_row) = (sheet(row.codes), row.first_row as usize);
+            let mut band = Band { sheet, codec: self.codec, width, first_row };
+            self.paint_row(&mut band, row.blocks, scratch);
+            Ok(())
+        })
+    }
+
+    fn paint_row(&self, band: &mut Band<'_>, blocks: &[Block], scratch: &mut Scratch) {
+        for block in blocks {
+            let (first, second) = block.kind.faces();
+            let is_beyond = block.segments >> self.channel.numbering.level == 0;
+            let is_lone = matches!(block.kind, BlockKind::Lone(_) | BlockKind::Twins(_));
+            if is_beyond && !is_lone {
+                self.extrapolate(band, block, &[Some(first), second]);
+                continue;
+            }
+            for face in std::iter::once(first).chain(second) {
+                if is_beyond {
+                    self.extrapolate(band, block, &[Some(face)]);
+                } else {
+                    self.copy(band, block, face as usize, scratch);
+                }
+            }
+        }
+    }
+}

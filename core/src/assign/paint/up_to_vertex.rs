@@ -1,0 +1,178 @@
+//! Faces up to vertex colors: samples copied line by line, points of coarser edges between two samples, and
+//! the border texels of lone triangles.
+
+use glam::Vec4;
+
+use crate::colors::edge_point;
+use crate::layout::{Block, BlockKind};
+
+use super::Painter;
+use super::band::Band;
+use crate::assign::codec::Line;
+use crate::assign::frames::FrameLine;
+use crate::assign::{Rounding, from_right_angle};
+
+/// Room for lines of values, kept from face to face.
+#[derive(Default)]
+pub(super) struct Scratch {
+    between: Vec<Vec4>,
+    stored: Vec<Vec4>,
+}
+
+/// A face's grid on the texels of a band: point `(i, j)` stands on texel `origin + i · along[0] + j · along[1]`.
+struct Grid {
+    face: usize,
+    is_triangle: bool,
+    segments: u32,
+    origin: usize,
+    along: [isize; 2],
+}
+
+impl Grid {
+    fn step(&self, [i, j]: [i32; 2]) -> isize {
+        self.along[0] * i as isize + self.along[1] * j as isize
+    }
+
+    fn texel(&self, (i, j): (u32, u32)) -> usize {
+        self.origin.wrapping_add_signed(self.step([i as i32, j as i32]))
+    }
+}
+
+/// Points of a grid: the first one, and the step to the next.
+#[derive(Clone, Copy)]
+struct GridLine {
+    first: (u32, u32),
+    step: [i32; 2],
+}
+
+impl Painter<'_> {
+    /// Writes the texels of one face.
+    pub(super) fn copy(&self, band: &mut Band<'_>, block: &Block, face: usize, scratch: &mut Scratch) {
+        let grid = self.grid(band, block, face);
+        let numbering = self.channel.numbering;
+        let samples = &self.values.samples;
+        let n = grid.segments;
+        let mut interior = &samples[numbering.face_range(face)];
+        for j in 1..n {
+            let end = if grid.is_triangle { n - j } else { n };
+            let (row, after) = interior.split_at(end as usize - 1);
+            interior = after;
+            let line = GridLine { first: (1, j), step: [1, 0] };
+            self.write(band, &grid, line, row, &mut scratch.stored);
+        }
+        for edge in 0..numbering.canvas.faces[face].count() {
+            self.copy_edge(band, &grid, edge, scratch);
+            let line = GridLine { first: edge_point(grid.is_triangle, n, edge, 0), step: [0, 0] };
+            let sample = numbering.topology.fan_of[face][edge] as usize;
+            self.write(band, &grid, line, &samples[sample..=sample], &mut scratch.stored);
+        }
+        if matches!(block.kind, BlockKind::Lone(_) | BlockKind::Twins(_)) {
+            self.border(band, &grid);
+        }
+    }
+
+    fn grid(&self, band: &Band<'_>, block: &Block, face: usize) -> Grid {
+        let numbering = self.channel.numbering;
+        let placement = &self.channel.layout.placements[face];
+        let is_triangle = numbering.canvas.faces[face].is_triangle();
+        let segments = numbering.segments(face);
+        let [x, y] = block.texel(numbering.level);
+        let corner = |k: usize| placement.corners[k].map(|unit| i32::from(unit) as isize);
+        let [start, i_end, j_end] = [corner(0), corner(1), corner(if is_triangle { 2 } else { 3 })];
+        let along = |end: [isize; 2]| (end[1] - start[1]) * band.width as isize + (end[0] - start[0]);
+        let [left, top] = placement.corners[0].map(|unit| u32::from(unit) * segments);
+        let origin = band.texel(x + left + placement.shift, y + top);
+        Grid { face, is_triangle, segments, origin, along: [along(i_end), along(j_end)] }
+    }
+
+    /// Writes samples as the face stores them.
+    fn write(
+        &self,
+        band: &mut Band<'_>,
+        grid: &Grid,
+        line: GridLine,
+        samples: &[Vec4],
+        stored: &mut Vec<Vec4>,
+    ) {
+        let values = match self.channel.frames {
+            None => samples,
+            Some(frames) => {
+                let scale = 1.0 / grid.segments as f32;
+                let at = [line.first.0 as f32 * scale, line.first.1 as f32 * scale];
+                let step = line.step.map(|step| step as f32 * scale);
+                let points = FrameLine { face: grid.face, at, step };
+                frames.store(self.channel.numbering.canvas, &points, samples, stored);
+                stored
+            }
+        };
+        band.write(Line { first: grid.texel(line.first), step: grid.step(line.step), values });
+    }
+
+    /// Writes the inside of an edge; its ends are corners.
+    fn copy_edge(&self, band: &mut Band<'_>, grid: &Grid, edge: usize, scratch: &mut Scratch) {
+        let numbering = self.channel.numbering;
+        let strip = numbering.topology.strip_of[grid.face][edge] as usize;
+        let (n, coarse) = (grid.segments, numbering.strip_segments(strip));
+        if n == 1 {
+            return;
+        }
+        // Lines run from the low end, as the samples of a strip do.
+        let is_reversed = numbering.canvas.faces[grid.face].is_reversed(edge);
+        let point = |from_low: u32| {
+            edge_point(grid.is_triangle, n, edge, if is_reversed { n - from_low } else { from_low })
+        };
+        let (first, second) = (point(1), point(2));
+        let step = [second.0 as i32 - first.0 as i32, second.1 as i32 - first.1 as i32];
+        let line = GridLine { first, step };
+        let samples = &self.values.samples;
+        if coarse == n {
+            let inside = &samples[numbering.strip_range(strip)];
+            self.write(band, grid, line, inside, &mut scratch.stored);
+            return;
+        }
+        scratch.between.clear();
+        let fine = n / coarse;
+        let sample = |at: u32| self.shared(samples[numbering.strip_sample(strip, at) as usize]);
+        let mut low = sample(0);
+        for at in 0..coarse {
+            let high = sample(at + 1);
+            scratch.between.push(low);
+            scratch.between.extend((1..fine).map(|rest| low.lerp(high, rest as f32 / fine as f32)));
+            low = high;
+        }
+        self.write(band, grid, line, &scratch.between[1..], &mut scratch.stored);
+    }
+
+    /// A sample as texels are worked out from it; of normals each face stores a version of its own.
+    fn shared(&self, sample: Vec4) -> Vec4 {
+        if self.rounding == Rounding::Rules && self.channel.frames.is_none() {
+            self.codec.round(sample)
+        } else {
+            sample
+        }
+    }
+
+    /// The line of texels beyond a lone triangle's diagonal: `c3 = c1 + c2 - c0` (MCT equation 1).
+    fn border(&self, band: &mut Band<'_>, grid: &Grid) {
+        let n = grid.segments;
+        let (right, _) = self.channel.right_angle(grid.face);
+        let point = |x: u32, y: u32| from_right_angle(right, n, x, y);
+        for x in 1..=n {
+            let y = n + 1 - x;
+            let parts = [point(x, y - 1), point(x - 1, y), point(x - 1, y - 1)];
+            let [c1, c2, c0] = parts.map(|at| grid.texel(at));
+            let [one, two, zero] = parts.map(|at| self.point(band, grid, at));
+            band.put(c1 + c2 - c0, one + two - zero);
+        }
+    }
+
+    /// The value at a grid point that border texels are worked out from: by the rules what its texel holds.
+    fn point(&self, band: &Band<'_>, grid: &Grid, (i, j): (u32, u32)) -> Vec4 {
+        let held = band.read(grid.texel((i, j))).filter(|_| self.rounding == Rounding::Rules);
+        held.unwrap_or_else(|| {
+            let value = self.channel.numbering.tap(grid.face, i, j).value(&self.values.samples);
+            let [s, t] = [i, j].map(|k| k as f32 / grid.segments as f32);
+            self.channel.stored(grid.face, value.as_dvec4(), s, t).as_vec4()
+        })
+    }
+}

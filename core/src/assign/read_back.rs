@@ -1,0 +1,67 @@
+//! What is left of the samples of a level in a range: read from the image as a sampler does, against what
+//! was wanted. Nothing was solved there, so storing alone has changed them.
+
+use glam::{Vec2, Vec4};
+
+use crate::image::{Image, LevelRange, Transfer};
+use crate::math::transfer::linear_to_srgb;
+
+use super::{LevelChannel, LevelValues, corner_point};
+
+/// The change of every sample in codes, the largest of the stored components counting: of a vertex with
+/// faces beyond vertex colors the largest of what they show there, of any other sample its rounding.
+pub fn read_back(
+    channel: &LevelChannel<'_>,
+    values: &LevelValues,
+    image: &Image,
+    range: &LevelRange,
+) -> Vec<f64> {
+    let stored = channel.codec.stored();
+    let change = |found: Vec4, wanted: Vec4| {
+        let difference = |&k: &usize| (code(channel, k, found[k]) - code(channel, k, wanted[k])).abs();
+        f64::from(stored.iter().map(difference).fold(0.0, f32::max))
+    };
+    let rounded = |value: Vec4| {
+        let mut found = value;
+        stored.iter().for_each(|&k| found[k] = range.decode(k, range.encode(k, value[k])));
+        found
+    };
+    let of_copy = |value: &Vec4| {
+        // Each face stores a version of its own of a normal: all are rounded alike.
+        let value = if channel.frames.is_some() { *value * 0.5 + 0.5 } else { *value };
+        change(rounded(value), value)
+    };
+    let mut changes: Vec<f64> = values.samples.iter().map(of_copy).collect();
+    let numbering = channel.numbering;
+    let scale = (-(numbering.level as f32)).exp2();
+    for (face, placement) in channel.layout.placements.iter().enumerate() {
+        let block = &channel.layout.blocks[placement.block as usize];
+        if block.segments >> numbering.level > 0 {
+            continue;
+        }
+        let canvas_face = &numbering.canvas.faces[face];
+        for corner in 0..canvas_face.count() {
+            let sample = numbering.topology.fan_of[face][corner] as usize;
+            let (s, t) = corner_point(canvas_face.is_triangle(), corner);
+            let wanted = channel.stored(face, values.fans[sample], s, t).as_vec4();
+            let place = channel.layout.scaled(face, corner) * scale + channel.layout.offset(face);
+            changes[sample] = changes[sample].max(change(bilinear(image, range, place), wanted));
+        }
+    }
+    changes
+}
+
+fn code(channel: &LevelChannel<'_>, component: usize, value: f32) -> f32 {
+    let is_color = channel.codec.transfer == Transfer::Srgb && component < 3;
+    255.0 * if is_color { linear_to_srgb(value) } else { value }
+}
+
+fn bilinear(image: &Image, range: &LevelRange, at_texels: Vec2) -> Vec4 {
+    let corner = (at_texels - 0.5).max(Vec2::ZERO);
+    let part = corner.fract();
+    let first = corner.as_uvec2();
+    let texel = |dx: u32, dy: u32| {
+        range.texel(image, (first.x + dx).min(image.width - 1), (first.y + dy).min(image.height - 1))
+    };
+    texel(0, 0).lerp(texel(1, 0), part.x).lerp(texel(0, 1).lerp(texel(1, 1), part.x), part.y)
+}

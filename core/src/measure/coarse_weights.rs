@@ -1,0 +1,72 @@
+//! Filtering as most GPUs do it: the fractions between texel centers are rounded to 8 bits. Up to vertex
+//! colors that is nothing; beyond them the texels around a face lie far apart in value, and the error grows
+//! with each level, whatever format holds them.
+
+use glam::Vec2;
+
+use super::report::Figures;
+use super::seams::Converted;
+
+/// The weights of a bilinear fetch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weights {
+    /// In 32 bits.
+    Exact,
+    /// Multiples of 1/256.
+    EightBits,
+}
+
+const STEPS: f32 = 256.0;
+
+impl Weights {
+    /// The place that is filtered for one that is asked for, both in texels.
+    #[inline]
+    pub fn place(self, asked: Vec2) -> Vec2 {
+        match self {
+            Self::Exact => asked,
+            // Texel centers lie at halves, themselves multiples of a step.
+            Self::EightBits => (asked * STEPS).round() / STEPS,
+        }
+    }
+}
+
+/// The seams of a level with weights of 8 bits, over those of the `uncut` pairs that have a face beyond
+/// vertex colors on a side; `None` where there are none.
+pub fn figures(converted: &Converted<'_>, level: usize, uncut: &[u32]) -> Option<Figures> {
+    let pairs = &converted.surface.pairs;
+    let is_beyond = |pair: &&u32| {
+        let pair = &pairs[**pair as usize];
+        [&pair.a, &pair.b].into_iter().any(|side| {
+            let part = converted.surface.part(side);
+            segments(&part.placed[side.triangle as usize].scaled) < (level as f32).exp2()
+        })
+    };
+    let which: Vec<u32> = uncut.iter().filter(is_beyond).copied().collect();
+    let survey = || converted.survey_filtered(level, &which, Weights::EightBits).figures;
+    (!which.is_empty()).then(survey)
+}
+
+/// The side of a triangle's block, in texels of level 0.
+fn segments(scaled: &[Vec2; 3]) -> f32 {
+    let least = scaled.iter().fold(Vec2::INFINITY, |least, corner| least.min(*corner));
+    let most = scaled.iter().fold(Vec2::NEG_INFINITY, |most, corner| most.max(*corner));
+    (most - least).max_element()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_move_by_half_a_step_at_most() {
+        assert_eq!(Weights::Exact.place(Vec2::new(3.141, 0.1)), Vec2::new(3.141, 0.1));
+        assert_eq!(Weights::EightBits.place(Vec2::new(7.5, 0.25)), Vec2::new(7.5, 0.25));
+        assert_eq!(Weights::EightBits.place(Vec2::new(1.0 + 0.6 / 256.0, 0.0)).x, 1.0 + 1.0 / 256.0);
+    }
+
+    #[test]
+    fn a_block_is_as_wide_as_its_corners_are_apart() {
+        let corners = [Vec2::new(8.0, 4.0), Vec2::new(12.0, 4.0), Vec2::new(8.0, 8.0)];
+        assert_eq!(segments(&corners), 4.0);
+    }
+}
