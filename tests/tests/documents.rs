@@ -162,8 +162,14 @@ const IN_BUNDLES: &str = "shaders/mesh_color_texture.wgsl";
 
 #[test]
 fn paths_in_documents_lead_somewhere() {
-    let documents =
-        ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "docs/format.md", "docs/figures.md", "docs/tradeoff.md"];
+    let documents = [
+        "README.md",
+        "ARCHITECTURE.md",
+        "CHANGELOG.md",
+        "docs/format.md",
+        "docs/figures.md",
+        "docs/tradeoff.md",
+    ];
     for document in documents {
         let text = file(document);
         let folder = root().join(document);

@@ -35,8 +35,8 @@ fn hold_picture(name: &str, svg: &str) {
     }
     let stale = "is not what its record says; MESHCOLOR_WRITE_DOCS=1 draws it anew";
     assert!(fs::read_to_string(path("svg")).unwrap() == svg, "docs/{name}.svg {stale}");
-    let [there, now] = [fs::read(path("png")).unwrap(), png]
-        .map(|bytes| image::load_from_memory(&bytes).unwrap().to_rgb8());
+    let [there, now] =
+        [fs::read(path("png")).unwrap(), png].map(|bytes| image::load_from_memory(&bytes).unwrap().to_rgb8());
     assert_eq!(there.dimensions(), now.dimensions(), "docs/{name}.png {stale}");
     let differences = || there.as_raw().iter().zip(now.as_raw()).map(|(a, b)| f64::from(a.abs_diff(*b)));
     let mean = differences().sum::<f64>() / there.as_raw().len() as f64;

@@ -104,10 +104,10 @@ fn draw(svg: &mut Svg, panel: &Panel<'_>) {
     }
     let over = heights.last().map_or(0.0, |last| (last - (top + height - 4.0)).max(0.0));
     for ((_, series, color), height) in labels.iter().zip(&heights) {
-        let exponent = series.exponent().map_or_else(String::new, |e| format!(" {e:.2}"));
+        let exponent = series.exponent().map_or_else(String::new, |e| format!("{e:.2}"));
         let x = plot[0] + plot[2] + 10.0;
         svg.text([x, height - over + 6.0], Style::new(LABEL_SIZE, color), &series.name);
-        let after = x + text_width(&series.name, LABEL_SIZE);
+        let after = x + text_width(&series.name, LABEL_SIZE) + 9.0;
         svg.text([after, height - over + 6.0], Style::new(LABEL_SIZE, ink::MUTED), &exponent);
     }
 }
@@ -119,14 +119,15 @@ fn draw_yardstick(svg: &mut Svg, panel: &Panel<'_>, (across, up): (&Axis, &Axis)
         end(a).total_cmp(&end(b))
     });
     let Some(points) = largest.map(|series| &series.points) else { return };
-    let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
+    let Some(last) = points.last() else { return };
     let law = |n: f64| n * n.log2();
     let scale = last.1 / law(last.0);
-    let line: Vec<_> = points.iter().map(|point| [across.at(point.0), up.at(scale * law(point.0))]).collect();
+    // A straight line on these axes, or nearly; as far as the panel goes.
+    let line = points.iter().map(|point| [across.at(point.0), up.at(scale * law(point.0))]);
+    let line: Vec<_> = line.filter(|at| at[1] <= BOTTOM).collect();
     svg.line(&line, 7.0, "#2f353c");
-    let at = [across.at(first.0) + 12.0, up.at(scale * law(first.0)) - 12.0];
-    if first.0 < last.0 {
-        svg.text(at, Style::new(17.0, ink::FAINT), "n log n");
+    if let [start, _, ..] = line[..] {
+        svg.text([start[0] + 14.0, start[1] + 4.0], Style::new(17.0, ink::FAINT), "n log n");
     }
 }
 

@@ -29,7 +29,7 @@ fn of_level_0(fidelity: &Fidelity) -> Spread {
     Spread { rms: fidelity.rms, p99: None, max: None }
 }
 
-/// What the report tells of one level against the mean over the surface.
+/// What the report tells of one level above 0 against the mean over the surface.
 fn of_level(_level: &LevelReport) -> Option<Spread> {
     None
 }
@@ -47,19 +47,21 @@ fn unit_errors(channels: &[&ChannelReport]) -> Option<UnitErrors> {
         .collect();
     let level_0 = joined(&level_0)?;
     let level_count = channels.iter().map(|channel| channel.levels.len()).max().unwrap_or(0);
-    let levels: Vec<LevelError> = (0..level_count)
-        .filter_map(|level| {
-            let spreads: Vec<_> = channels
-                .iter()
-                .filter_map(|channel| Some((channel.components, of_level(channel.levels.get(level)?)?)))
-                .collect();
-            Some(LevelError { level: level as u32, error: joined(&spreads)? })
-        })
-        .collect();
+    let coarse = (1..level_count).filter_map(|level| {
+        let spreads: Vec<_> = channels
+            .iter()
+            .filter_map(|channel| Some((channel.components, of_level(channel.levels.get(level)?)?)))
+            .collect();
+        Some(LevelError { level: level as u32, error: joined(&spreads)? })
+    });
+    let levels: Vec<_> = std::iter::once(LevelError { level: 0, error: level_0 }).chain(coarse).collect();
+    // Level 0 alone says nothing of the mip maps.
+    let mean_square = || root_mean_square(levels.iter().map(|level| (1.0, level.error.rms)));
+    let all_levels_rms = if levels.len() > 1 { mean_square() } else { None };
     let seams = || channels.iter().flat_map(|channel| &channel.levels).filter_map(|level| level.seams);
     Some(UnitErrors {
         level_0,
-        all_levels_rms: root_mean_square(levels.iter().map(|level| (1.0, level.error.rms))),
+        all_levels_rms,
         levels,
         seam_max: seams().map(|seams| seams.max).fold(0.0, f64::max),
         seam_p999: seams().map(|seams| seams.p999).fold(0.0, f64::max),

@@ -128,9 +128,9 @@ pub struct Errors {
 pub struct UnitErrors {
     /// Level 0 against the source.
     pub level_0: Spread,
-    /// Every level against the mean of the source over the surface.
+    /// Level 0, then each level that was measured against the mean of the source over the surface.
     pub levels: Vec<LevelError>,
-    /// Root mean square over the levels of `levels`, each counting alike; absent without them.
+    /// Root mean square over the levels, each counting alike; absent where level 0 is all there is.
     pub all_levels_rms: Option<f64>,
     /// Largest jump over uncut edges, all levels.
     pub seam_max: f64,

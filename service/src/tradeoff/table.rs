@@ -112,16 +112,14 @@ fn levels(record: &Tradeoff) -> String {
     let errors = |run: &Run| run.done().and_then(|done| done.errors.main().map(|(errors, _)| errors.clone()));
     let count = record.runs.iter().filter_map(errors).map(|errors| errors.levels.len()).max().unwrap_or(0);
     let numbers: Vec<String> = (0..count).map(|level| level.to_string()).collect();
-    let heading: Vec<&str> =
-        ["run", "source"].into_iter().chain(numbers.iter().map(String::as_str)).collect();
+    let heading: Vec<&str> = std::iter::once("run").chain(numbers.iter().map(String::as_str)).collect();
     let line = |run: &Run| {
         let errors = errors(run)?;
         let of = |level: usize| {
             let found = errors.levels.iter().find(|error| error.level as usize == level);
             found.map_or_else(String::new, |found| figure(found.error.rms))
         };
-        let first = [run.name.clone(), figure(errors.level_0.rms)];
-        Some(first.into_iter().chain((0..count).map(of)).collect())
+        Some(std::iter::once(run.name.clone()).chain((0..count).map(of)).collect())
     };
     table(&heading, record.runs.iter().filter_map(line))
 }

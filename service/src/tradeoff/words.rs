@@ -69,6 +69,9 @@ pub fn seam(done: &Done) -> f64 {
 /// Half a percent is no difference to speak of.
 const NOTICED: f64 = 0.005;
 
+/// Nor is a twentieth of a time, which the next run may give back.
+const SAME_TIME: f64 = 0.05;
+
 /// What another preset does with more or less time.
 fn against(home: &Done, other: &Done, unit: &str) -> String {
     let factor = other.cost.converting_cpu_seconds / home.cost.converting_cpu_seconds.max(1e-9);
@@ -78,6 +81,13 @@ fn against(home: &Done, other: &Done, unit: &str) -> String {
     let is_nearer = gained > NOTICED * before;
     let is_farther = -gained > NOTICED * before;
     let difference = format!("{} {unit}", figure(gained.abs()));
+    if (1.0 - factor).abs() < SAME_TIME {
+        return match (is_nearer, is_farther) {
+            (true, _) => format!("gains {difference} in the same time"),
+            (_, true) => format!("loses {difference} in the same time"),
+            _ => "is the same here".to_owned(),
+        };
+    }
     match (factor < 1.0, is_nearer, is_farther) {
         (true, true, _) => format!("gains {difference} in {} of the time", percent(factor)),
         (true, _, true) => format!("saves {} of the time for {difference} more", percent(1.0 - factor)),

@@ -18,15 +18,25 @@ struct Column {
     name: &'static str,
     value: fn(&Done) -> Option<f64>,
     shown: fn(f64) -> String,
+    /// A full bar is this at least: what nobody would see must not look large.
+    least_full: f64,
 }
+
+/// A conversion promises seams below this, codes.
+const PROMISED_SEAM: f64 = 1.5;
 
 fn columns(record: &Tradeoff) -> Vec<Column> {
     let seams = |done: &Done| done.errors.main().map(|(errors, _)| errors.seam_max);
     let all = [
-        Column { name: "time", value: |done| Some(done.cost.converting_cpu_seconds), shown: time },
-        Column { name: "level 0", value: Done::level_0_error, shown: figure },
-        Column { name: "all levels", value: Done::mip_error, shown: figure },
-        Column { name: "worst seam", value: seams, shown: figure },
+        Column {
+            name: "time",
+            value: |done| Some(done.cost.converting_cpu_seconds),
+            shown: time,
+            least_full: 0.0,
+        },
+        Column { name: "level 0", value: Done::level_0_error, shown: figure, least_full: 0.0 },
+        Column { name: "all levels", value: Done::mip_error, shown: figure, least_full: 0.0 },
+        Column { name: "worst seam", value: seams, shown: figure, least_full: PROMISED_SEAM },
     ];
     let is_known =
         |column: &Column| record.runs.iter().filter_map(Run::done).any(|done| (column.value)(done).is_some());
@@ -101,7 +111,7 @@ fn draw_rung(
 fn share(record: &Tradeoff, column: &Column, value: f64) -> f64 {
     let rungs = record.ladders.iter().flat_map(|ladder| &ladder.rungs);
     let runs = rungs.filter_map(|rung| record.runs.get(rung.run)).filter_map(Run::done);
-    let most = runs.filter_map(column.value).fold(0.0, f64::max);
+    let most = runs.filter_map(column.value).fold(column.least_full, f64::max);
     if most > 0.0 { value / most } else { 0.0 }
 }
 
