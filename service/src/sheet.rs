@@ -12,6 +12,9 @@ pub fn draw(conversion: &Conversion, title: &str) -> anyhow::Result<Sheet> {
     Ok(meshcolor_shaders::preview::sheet_titled(conversion, title)?)
 }
 
+/// The font that pictures are set in.
+pub const FONT: &[u8] = meshcolor_shaders::FONT;
+
 /// The sampling functions that users paste into their shaders.
 pub fn wgsl() -> &'static str {
     meshcolor_shaders::WGSL

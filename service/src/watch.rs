@@ -17,12 +17,15 @@ use tokio::sync::watch;
 /// The stage that the service adds behind the conversion's own.
 pub const PREVIEW_STAGE: &str = "preview";
 
-/// Share of the whole job that the conversion itself is; the rest is the preview and the bundle.
+/// The stage of a job's further conversions, one for each rung.
+pub const TRADEOFF_STAGE: &str = "tradeoff";
+
+/// Share of the whole job that conversions are; the rest is the preview and the bundle.
 const CONVERSION_SHARE: f32 = 0.92;
 
 /// Names of all stages that a job reports, in order.
 pub fn stage_names() -> Vec<&'static str> {
-    Stage::ALL.iter().map(|stage| stage.name()).chain([PREVIEW_STAGE]).collect()
+    Stage::ALL.iter().map(|stage| stage.name()).chain([PREVIEW_STAGE, TRADEOFF_STAGE]).collect()
 }
 
 /// How far a job is.
@@ -88,6 +91,20 @@ impl JobWatch {
         });
     }
 
+    /// A part of the job: its progress runs from `start` over `share` of the whole.
+    pub fn part(&self, start: f32, share: f32) -> Part<'_> {
+        Part { watch: self, start, share }
+    }
+
+    /// Counts the memory's high-water mark for the running stage, before other clocks set the mark back.
+    pub fn note_peak_memory(&self) {
+        let mut clocks = self.clocks();
+        if let Some((index, _)) = clocks.running {
+            let stage = &mut clocks.stages[index];
+            stage.peak_memory_bytes = stage.peak_memory_bytes.max(peak_memory_bytes());
+        }
+    }
+
     /// Ends the clocks and returns what they measured.
     pub fn finish(&self) -> Vec<StageFigures> {
         let mut clocks = self.clocks();
@@ -121,6 +138,31 @@ impl Watch for JobWatch {
 
     fn canceled(&self) -> bool {
         self.stop.reason().is_some()
+    }
+}
+
+/// One of several conversions that a job makes.
+pub struct Part<'a> {
+    watch: &'a JobWatch,
+    start: f32,
+    share: f32,
+}
+
+impl Watch for Part<'_> {
+    fn stage(&self, stage: Stage) {
+        self.watch.stage(stage);
+    }
+
+    fn step(&self, name: Option<&'static str>) {
+        self.watch.step(name);
+    }
+
+    fn progress(&self, done: f32) {
+        self.watch.progress(self.start + done.clamp(0.0, 1.0) * self.share);
+    }
+
+    fn canceled(&self) -> bool {
+        self.watch.canceled()
     }
 }
 

@@ -7,6 +7,7 @@ use std::thread::available_parallelism;
 use meshcolor::measure::Report;
 use meshcolor::pipeline::{self, ENGINE_VERSION};
 use meshcolor::read::{Limits, Upload};
+use meshcolor::watch::Stage;
 use meshcolor::write::BundleFile;
 use meshcolor::{Error, Result};
 use serde_json::{Value, json};
@@ -15,6 +16,7 @@ use crate::bundle;
 use crate::clock::Timestamp;
 use crate::jobs::model::JobOptions;
 use crate::sheet::{self, Sheet};
+use crate::tradeoff;
 use crate::watch::{JobWatch, PREVIEW_STAGE};
 
 /// What a conversion leaves.
@@ -64,11 +66,16 @@ pub fn convert(
     watch: &JobWatch,
 ) -> Result<Converted> {
     let started_at = Timestamp::now();
-    let mut conversion = pipeline::convert(upload, &options.conversion, limits, watch)?;
+    let mut conversion = {
+        // With the rungs to come, the conversion is one of many.
+        let share = if options.tradeoff { FIRST_OF_MANY } else { 1.0 };
+        pipeline::convert(upload, &options.conversion, limits, &watch.part(0.0, share))?
+    };
     let mut files = std::mem::take(&mut conversion.files);
+    let title = title(&upload.main);
     let sheet = if options.preview {
         watch.enter(PREVIEW_STAGE);
-        Some(sheet::draw(&conversion, &title(&upload.main)).map_err(|error| format!("{error:#}")))
+        Some(sheet::draw(&conversion, &title).map_err(|error| format!("{error:#}")))
     } else {
         None
     };
@@ -76,6 +83,14 @@ pub fn convert(
         path: "shaders/mesh_color_texture.wgsl".to_owned(),
         bytes: sheet::wgsl().as_bytes().to_vec(),
     });
+    if options.tradeoff {
+        drop(conversion.finished);
+        let read = watch.finish().into_iter().find(|figures| figures.stage == Stage::Read.name());
+        let subject = tradeoff::Subject { model: &title, asset: &conversion.asset, read };
+        let manner = tradeoff::Manner { limits, repeat_count: 1, done: FIRST_OF_MANY };
+        let record = tradeoff::run(&subject, &options.conversion, &manner, watch)?;
+        files.extend(tradeoff::files(&record, "tradeoff/")?);
+    }
     let run = run_json(watch, started_at, sheet.as_ref());
     files.push(bundle::json_file("run.json", &run));
     let preview = match sheet {
@@ -90,8 +105,11 @@ pub fn convert(
     Ok(Converted { files, report: conversion.report, preview })
 }
 
-/// What stands over the sheet: the model's file name without its ending, cut where it would leave the page.
-fn title(main: &str) -> String {
+/// Share of a job with `tradeoff` that its own conversion is.
+const FIRST_OF_MANY: f32 = 0.08;
+
+/// What stands over pictures: the model's file name without its ending, cut where it would leave the page.
+pub fn title(main: &str) -> String {
     const TITLE_CHARS: usize = 64;
     let name = Path::new(main).file_stem().unwrap_or_default().to_string_lossy();
     name.chars().filter(|c| !c.is_control()).take(TITLE_CHARS).collect()

@@ -20,11 +20,13 @@ fn the_document_is_the_committed_one() {
 fn usage_errors_are_two_and_speak_on_standard_error() {
     let folder = Folder::new();
     let out = folder.path("out");
-    let wrong: [&[&str]; 6] = [
+    let wrong: [&[&str]; 8] = [
         &[],
         &["convert", "a.glb"],
         &["convert", "a.glb", "-o", &out, "--solver", "magic"],
         &["convert", "a.glb", "-o", &out, "--threads", "0"],
+        &["tradeoff", "a.glb"],
+        &["tradeoff", "a.glb", "-o", &out, "--repeat", "0"],
         &["check"],
         &["serve", "--max-body-bytes", "many"],
     ];
@@ -40,7 +42,7 @@ fn variables_stand_for_flags() {
     let ended = support::binary().args(["check", "a.glb"]).env("MESHCOLOR_SOLVER", "magic").output().unwrap();
     assert_eq!(ended.status.code(), Some(2));
     let said = String::from_utf8_lossy(&ended.stderr).into_owned();
-    assert!(said.contains("clamp, global"), "{said}");
+    assert!(said.contains("clamp, local, global"), "{said}");
 }
 
 #[test]
@@ -54,6 +56,23 @@ fn missing_models_are_refused_and_leave_nothing() {
         assert!(said.contains("none.glb"), "{said}");
     }
     assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 0);
+}
+
+#[test]
+fn a_tradeoff_is_a_folder_and_json_on_demand() {
+    let folder = Folder::new();
+    let out = folder.path("cost");
+    let arguments = ["tradeoff", "-o", &out, "--resolution", "fixed:0", "--json"];
+    let ended = run(&arguments);
+    assert_eq!(ended.status.code(), Some(0), "{}", String::from_utf8_lossy(&ended.stderr));
+    let record = fs::read(format!("{out}/tradeoff.json")).unwrap();
+    assert!(ended.stdout == record);
+    let mut names: Vec<_> =
+        fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    assert_eq!(names, ["tradeoff.json", "tradeoff.md", "tradeoff.png", "tradeoff.svg"]);
+    assert_eq!(run(&arguments).status.code(), Some(2), "it replaces nothing unasked");
+    assert_eq!(run(&[&arguments[..], &["--force", "--quiet"]].concat()).status.code(), Some(0));
 }
 
 #[test]

@@ -6,3 +6,6 @@ pub mod twins;
 
 /// The sampling functions, complete in one file that declares no bindings.
 pub const WGSL: &str = include_str!("../wgsl/mesh_color_texture.wgsl");
+
+/// The font of every picture: Ubuntu Light, under the Ubuntu font licence; its package carries the text.
+pub const FONT: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;

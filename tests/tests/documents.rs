@@ -65,7 +65,7 @@ fn curl_lines_ask_for_paths_that_there_are() {
     let paths: Vec<&str> =
         api.lines().filter_map(|line| line.strip_prefix("  /")?.strip_suffix(':')).collect();
     let mut asked = 0;
-    for document in ["README.md", "docs/format.md", "docs/figures.md"] {
+    for document in ["README.md", "docs/format.md", "docs/figures.md", "docs/tradeoff.md"] {
         let text = file(document);
         for url in text.split_whitespace().filter_map(|word| word.split_once("localhost:8080/")) {
             let path = url.1.trim_end_matches(['\'', '"', '`', ',', '.']).split('?').next().unwrap();
@@ -110,7 +110,7 @@ fn named_variables_are_read_by_something() {
     // Read by the tests.
     let of_tests = ["MESHCOLOR_ASSETS", "MESHCOLOR_REQUIRE_TOOLS", "MESHCOLOR_WRITE_DOCS"];
     let known = known_variables();
-    for document in ["README.md", "Dockerfile", "docs/figures.md", "CHANGELOG.md"] {
+    for document in ["README.md", "Dockerfile", "docs/figures.md", "docs/tradeoff.md", "CHANGELOG.md"] {
         let named = variables_in(&file(document));
         let unknown: Vec<_> = named
             .iter()
@@ -152,7 +152,7 @@ fn commands_in_the_readme_exist() {
     let named: BTreeSet<&str> = words.filter_map(|rest| rest.split_whitespace().next()).collect();
     let unknown: Vec<_> = named.iter().filter(|name| !is_command(name)).collect();
     assert!(unknown.is_empty(), "README.md names {unknown:?}");
-    for command in ["serve", "convert", "check", "demo", "openapi", "health", "version"] {
+    for command in ["serve", "convert", "check", "tradeoff", "demo", "openapi", "health", "version"] {
         assert!(named.contains(command), "README.md does not name {command}");
     }
 }
@@ -162,7 +162,15 @@ const IN_BUNDLES: &str = "shaders/mesh_color_texture.wgsl";
 
 #[test]
 fn paths_in_documents_lead_somewhere() {
-    for document in ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "docs/format.md", "docs/figures.md"] {
+    let documents = [
+        "README.md",
+        "ARCHITECTURE.md",
+        "CHANGELOG.md",
+        "docs/format.md",
+        "docs/figures.md",
+        "docs/tradeoff.md",
+    ];
+    for document in documents {
         let text = file(document);
         let folder = root().join(document);
         let folder = folder.parent().unwrap();

@@ -62,32 +62,52 @@ pub fn convert(upload: &Upload, options: &Options, limits: &Limits, watch: &dyn 
 }
 
 /// Converts a model that has been read.
+///
+/// # Errors
+/// As [`convert`], without those of reading.
 pub fn convert_asset(
     asset: Asset,
     options: &Options,
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Conversion> {
+    let Product { finished, report, files, focus } = convert_read(&asset, options, limits, watch)?;
+    Ok(Conversion { asset, finished, report, files, focus })
+}
+
+/// A [`Conversion`] apart from its model.
+pub struct Product {
+    pub finished: Finished,
+    pub report: Report,
+    pub files: Vec<BundleFile>,
+    pub focus: Option<Focus>,
+}
+
+/// Converts a model that other conversions still need.
+///
+/// # Errors
+/// As [`convert_asset`].
+pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &dyn Watch) -> Result<Product> {
     let mut progress = Progress::new(watch);
     progress.part(1.0);
     progress.advance(READ_SHARE);
-    let mut materials = convert_materials(&asset, options, limits, watch, &mut progress)?;
-    let finished = assemble(&asset, &mut materials);
+    let mut materials = convert_materials(asset, options, limits, watch, &mut progress)?;
+    let finished = assemble(asset, &mut materials);
     watch.stage(Stage::Measure);
     let extras = report::extras(&materials);
-    let measured = measure::converted(&asset, &finished, &extras, watch)?;
+    let measured = measure::converted(asset, &finished, &extras, watch)?;
     progress.part(1.0);
     progress.advance(MEASURE_SHARE);
-    let glb = write::glb(&asset, &finished, watch)?;
+    let glb = write::glb(asset, &finished, watch)?;
     let focus = measured.focus;
-    let converted = report::Converted { asset: &asset, finished: &finished, materials: &materials };
+    let converted = report::Converted { asset, finished: &finished, materials: &materials };
     let report = report::of_conversion(&converted, measured, options, glb.len() as u64);
     let files = vec![
         BundleFile { path: "asset.glb".into(), bytes: glb },
         BundleFile { path: "report.json".into(), bytes: report::to_bytes(&report)? },
     ];
     watch.progress(1.0);
-    Ok(Conversion { asset, finished, report, files, focus })
+    Ok(Product { finished, report, files, focus })
 }
 
 /// Every material that has something to convert, in order.

@@ -40,6 +40,9 @@ pub enum Quality {
 
 const QUALITIES: &[(&str, Quality)] =
     &[("draft", Quality::Draft), ("standard", Quality::Standard), ("exact", Quality::Exact)];
+/// `filtered` takes a count behind a colon too.
+const SAMPLINGS: &[(&str, Sampling)] =
+    &[("point", Sampling::Point), ("filtered", Sampling::Filtered(None)), ("fitted", Sampling::Fitted)];
 const MIP_FILTERS: &[(&str, MipFilter)] = &[("uniform", MipFilter::Uniform), ("area", MipFilter::Area)];
 const BEYONDS: &[(&str, Beyond)] = &[("one-ring", Beyond::OneRing), ("heat", Beyond::Heat)];
 const SOLVERS: &[(&str, Solver)] = &[
@@ -63,6 +66,8 @@ pub struct OptionSpec {
     pub default: &'static str,
     /// Whether `quality` sets it too, for whoever doesn't name it.
     pub follows_quality: bool,
+    /// The names that it takes, from the cheapest on; empty where it takes figures.
+    pub rungs: &'static [&'static str],
     /// The values that are allowed, in words.
     pub allowed: &'static str,
     pub doc: &'static str,
@@ -74,6 +79,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         value_name: "PRESET",
         default: "standard",
         follows_quality: false,
+        rungs: &names::<_, 3>(QUALITIES),
         allowed: "draft, standard, exact",
         doc: "A set of rungs, one of each ladder below; a rung that is named by itself counts before it",
     },
@@ -82,6 +88,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         value_name: "RUNG",
         default: "filtered",
         follows_quality: true,
+        rungs: &names::<_, 3>(SAMPLINGS),
         allowed: "point, filtered or filtered:K with K in 1..=16 (fetches along a side of a cell; without K, one for each source texel), fitted",
         doc: "How a sample gets its value: one bilinear fetch, the source integrated against the sample's hat function, or the samples whose interpolation is nearest to the source",
     },
@@ -90,6 +97,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         value_name: "RULE",
         default: "area:1",
         follows_quality: false,
+        rungs: &[],
         allowed: "area:F with F in 0.001..=64 (texels per source texel), fixed:R with R in 0..=12 (sides of 2^R segments), density:D with D in 1e-6..=1e9 (texels per world unit)",
         doc: "How many samples a face gets",
     },
@@ -98,6 +106,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         value_name: "RUNG",
         default: "uniform",
         follows_quality: true,
+        rungs: &names::<_, 2>(MIP_FILTERS),
         allowed: "uniform, area",
         doc: "How a coarse sample weighs the fine ones around it: by its hat function alone, or by their surface area too",
     },
@@ -106,6 +115,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         value_name: "RUNG",
         default: "one-ring",
         follows_quality: true,
+        rungs: &names::<_, 2>(BEYONDS),
         allowed: "one-ring, heat",
         doc: "How levels go on where a face is down to its vertices: the mean over neighboring vertices, or heat flow over the surface",
     },
@@ -114,6 +124,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         value_name: "RUNG",
         default: "global",
         follows_quality: true,
+        rungs: &names::<_, 4>(SOLVERS),
         allowed: "clamp, local, global, exact",
         doc: "What is done about texels outside the format's range: clamp them, change samples face by face, the least change of the whole level, or the same by a library (slow)",
     },
@@ -122,6 +133,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         value_name: "RUNG",
         default: "unorm8",
         follows_quality: true,
+        rungs: &names::<_, 3>(RANGES),
         allowed: "unorm8 (codes as the source has them), scaled16 (16 bits with a scale and a bias), float16",
         doc: "How levels beyond vertex colors are stored where they leave [0, 1]",
     },
@@ -130,6 +142,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         value_name: "RUNG",
         default: "rules",
         follows_quality: true,
+        rungs: &names::<_, 2>(ROUNDINGS),
         allowed: "nearest, rules",
         doc: "How samples become codes: each texel to the nearest, or samples first, so that texels made from them keep their rules",
     },
@@ -138,6 +151,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         value_name: "CODES",
         default: "8",
         follows_quality: false,
+        rungs: &[],
         allowed: "0..=255 (8-bit codes; 2 codes stand for 1 degree of a normal)",
         doc: "Edges whose two sides differ by more than this at full resolution keep their two sides",
     },
@@ -229,10 +243,8 @@ impl Options {
             Resolution::Density(texels) => format!("density:{texels}"),
         };
         let sampling = match self.sampling {
-            Sampling::Point => "point".to_owned(),
-            Sampling::Filtered(None) => "filtered".to_owned(),
             Sampling::Filtered(Some(count)) => format!("filtered:{count}"),
-            Sampling::Fitted => "fitted".to_owned(),
+            named => name_of(SAMPLINGS, named).to_owned(),
         };
         let values = [
             name_of(QUALITIES, self.quality).into(),
@@ -249,6 +261,18 @@ impl Options {
     }
 }
 
+/// The names of a table, for [`OptionSpec::rungs`].
+const fn names<T, const COUNT: usize>(table: &[(&'static str, T)]) -> [&'static str; COUNT] {
+    assert!(table.len() == COUNT);
+    let mut names = [""; COUNT];
+    let mut at = 0;
+    while at < COUNT {
+        names[at] = table[at].0;
+        at += 1;
+    }
+    names
+}
+
 fn named<T: Copy>(table: &[(&str, T)], value: &str) -> Option<T> {
     table.iter().find(|(name, _)| *name == value).map(|(_, rung)| *rung)
 }
@@ -259,14 +283,7 @@ fn name_of<T: PartialEq>(table: &[(&'static str, T)], value: T) -> &'static str 
 
 fn parse_sampling(value: &str) -> Option<Sampling> {
     match value.split_once(':') {
-        None => named(
-            &[
-                ("point", Sampling::Point),
-                ("filtered", Sampling::Filtered(None)),
-                ("fitted", Sampling::Fitted),
-            ],
-            value,
-        ),
+        None => named(SAMPLINGS, value),
         Some(("filtered", count)) => {
             let count = count.parse().ok().filter(|count| (1..=16).contains(count));
             count.map(|count| Sampling::Filtered(Some(count)))
@@ -293,4 +310,22 @@ fn refused(name: &str, value: &str) -> Error {
     let allowed = OPTIONS.iter().find(|spec| spec.name == name).map_or("", |spec| spec.allowed);
     Error::new(ErrorCode::InvalidOptions, format!("{name} = \"{value}\" is not allowed; allowed: {allowed}"))
         .at(format!("/{name}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rungs_are_values_that_are_told_and_read_back() {
+        for spec in OPTIONS {
+            for rung in spec.rungs {
+                let mut options = Options::default();
+                options.set(spec.name, rung).unwrap();
+                assert_eq!(options.to_json()[spec.name], *rung);
+                assert!(spec.allowed.contains(rung), "{} does not tell {rung}", spec.name);
+            }
+            assert_eq!(spec.follows_quality || spec.name == "quality", !spec.rungs.is_empty());
+        }
+    }
 }

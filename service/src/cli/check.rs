@@ -102,7 +102,7 @@ fn check(
     let (sender, progress) = watch::channel(Progress::default());
     let watch = JobWatch::new(stop.clone(), sender);
     let _bar = Bar::follow(path.display().to_string(), progress, arguments.run.quiet);
-    let options = JobOptions { conversion: arguments.conversion.0.clone(), preview: false };
+    let options = JobOptions { conversion: arguments.conversion.0.clone(), preview: false, tradeoff: false };
     pool.install(|| work::check(&upload, &options, &arguments.limits.0, &watch))
 }
 

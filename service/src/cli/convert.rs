@@ -13,7 +13,7 @@ use super::Outcome;
 use super::arguments::{ConversionFlags, RunFlags};
 use super::bars::Bar;
 use super::interrupt::Interrupt;
-use super::replace::{Sibling, check_free};
+use super::replace::{BUNDLE_MARK, Sibling, check_free};
 use crate::jobs::model::JobOptions;
 use crate::settings::ModelLimits;
 use crate::watch::{JobWatch, Progress, Stop};
@@ -48,13 +48,14 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let to_stdout = arguments.out == Path::new("-");
     let is_zip = arguments.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("zip"));
     if !to_stdout {
-        check_free(&arguments.out, is_zip, arguments.force)?;
+        check_free(&arguments.out, is_zip, arguments.force, BUNDLE_MARK)?;
     }
     let shown = arguments.input.display().to_string();
     let stop = Arc::new(Stop::default());
     let interrupt = Interrupt::listen(stop.clone())?;
     let upload = input::open(&arguments.input)?;
-    let options = JobOptions { conversion: arguments.conversion.0, preview: !arguments.no_preview };
+    let options =
+        JobOptions { conversion: arguments.conversion.0, preview: !arguments.no_preview, tradeoff: false };
     let (sender, progress) = watch::channel(Progress::default());
     let watch = JobWatch::new(stop, sender);
     let bar = Bar::follow(shown.clone(), progress, quiet);

@@ -13,6 +13,7 @@ mod outcome;
 mod replace;
 mod serve;
 mod text;
+mod tradeoff;
 mod version;
 
 use std::process::ExitCode;
@@ -43,6 +44,8 @@ enum Command {
     Convert(convert::Arguments),
     /// Measure the seams of models, plain or converted
     Check(check::Arguments),
+    /// Convert a model by every rung and show what accuracy costs in time
+    Tradeoff(tradeoff::Arguments),
     /// Show a conversion from end to end, through the HTTP service
     Demo(demo::Arguments),
     /// Print the API's OpenAPI document
@@ -67,6 +70,7 @@ pub fn main() -> ExitCode {
         Command::Serve(arguments) => serve::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Tradeoff(arguments) => tradeoff::run(&arguments),
         Command::Demo(arguments) => demo::run(arguments),
         Command::Openapi => openapi::run(),
         Command::Health(arguments) => health::run(&arguments),

@@ -10,8 +10,8 @@ use uuid::Uuid;
 
 use super::outcome::UsageError;
 
-/// The file by which an earlier bundle is known; `--force` replaces no other folder.
-const BUNDLE_MARK: &str = "manifest.json";
+/// The file by which an earlier bundle is known.
+pub const BUNDLE_MARK: &str = "manifest.json";
 
 /// A place beside the result; what is left there goes away with it.
 pub struct Sibling {
@@ -59,8 +59,9 @@ impl Drop for Sibling {
     }
 }
 
-/// Refuses a place that holds something which may not be replaced.
-pub fn check_free(out: &Path, is_zip: bool, is_forced: bool) -> anyhow::Result<()> {
+/// Refuses a place that holds something which may not be replaced: `--force` replaces only folders that
+/// hold the file `mark`.
+pub fn check_free(out: &Path, is_zip: bool, is_forced: bool, mark: &str) -> anyhow::Result<()> {
     let refuse = |text: String| Err(UsageError(text).into());
     let shown = out.display();
     match fs::metadata(out) {
@@ -68,7 +69,7 @@ pub fn check_free(out: &Path, is_zip: bool, is_forced: bool) -> anyhow::Result<(
         Err(error) => Err(error).with_context(|| format!("{shown}")),
         Ok(found) if found.is_dir() == is_zip => {
             let (is, wants) = if is_zip { ("a folder", "a file") } else { ("a file", "a folder") };
-            refuse(format!("{shown} is {is}, and the bundle would be {wants}"))
+            refuse(format!("{shown} is {is}, and the result would be {wants}"))
         }
         Ok(_) if is_zip => {
             if is_forced {
@@ -78,12 +79,12 @@ pub fn check_free(out: &Path, is_zip: bool, is_forced: bool) -> anyhow::Result<(
         }
         Ok(_) => {
             let is_empty = fs::read_dir(out).with_context(|| format!("{shown}"))?.next().is_none();
-            match (is_empty, is_forced, out.join(BUNDLE_MARK).is_file()) {
+            match (is_empty, is_forced, out.join(mark).is_file()) {
                 (true, ..) | (_, true, true) => Ok(()),
                 (_, true, false) => refuse(format!(
-                    "{shown} is not empty and no bundle (it has no {BUNDLE_MARK}); --force replaces bundles only"
+                    "{shown} is not empty and no earlier result (it has no {mark}); --force replaces those only"
                 )),
-                (_, false, _) => refuse(format!("{shown} is not empty; --force replaces a bundle")),
+                (_, false, _) => refuse(format!("{shown} is not empty; --force replaces an earlier result")),
             }
         }
     }
@@ -106,11 +107,11 @@ mod tests {
         for folder in [&bundle, &other] {
             fs::create_dir(folder).unwrap();
         }
-        assert!(check_free(&bundle, false, false).is_ok(), "empty");
+        assert!(check_free(&bundle, false, false, BUNDLE_MARK).is_ok(), "empty");
         fs::write(bundle.join("manifest.json"), "{}").unwrap();
         fs::write(other.join("thesis.tex"), "").unwrap();
         fs::write(&zip, "").unwrap();
-        let free = |out: &Path, is_zip, is_forced| check_free(out, is_zip, is_forced).is_ok();
+        let free = |out: &Path, is_zip, is_forced| check_free(out, is_zip, is_forced, BUNDLE_MARK).is_ok();
         assert!(!free(&bundle, false, false) && free(&bundle, false, true));
         assert!(!free(&other, false, false) && !free(&other, false, true));
         assert!(!free(&zip, true, false) && free(&zip, true, true));

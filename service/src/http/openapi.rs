@@ -7,7 +7,7 @@ use utoipa::openapi::schema::{AdditionalProperties, ObjectBuilder, Schema, Type}
 use utoipa::openapi::{InfoBuilder, License, OpenApi, OpenApiBuilder, RefOr, Required};
 use utoipa::{PartialSchema, ToSchema};
 
-use crate::jobs::model::JobOptions;
+use crate::jobs::model::{JobOptions, SWITCHES};
 
 /// A model with its files.
 #[derive(ToSchema, Serialize)]
@@ -56,14 +56,15 @@ fn options_schema() -> Schema {
             .default(default(spec));
         object = object.property(spec.name, property);
     }
-    let preview = ObjectBuilder::new()
-        .schema_type(Type::Boolean)
-        .description(Some(PREVIEW_DOC))
-        .default(Some(true.into()));
-    object.property("preview", preview).into()
+    for switch in &SWITCHES {
+        let property = ObjectBuilder::new()
+            .schema_type(Type::Boolean)
+            .description(Some(switch.doc))
+            .default(Some(switch.default.into()));
+        object = object.property(switch.name, property);
+    }
+    object.into()
 }
-
-const PREVIEW_DOC: &str = "Whether to draw the seam-check sheet.";
 
 fn description(spec: &OptionSpec) -> String {
     let OptionSpec { doc, allowed, default, .. } = spec;
@@ -116,7 +117,9 @@ fn option_parameters() -> Vec<utoipa::openapi::path::Parameter> {
             parameter(spec.name, description(spec), schema)
         })
         .collect();
-    let schema = ObjectBuilder::new().schema_type(Type::Boolean).default(Some(true.into()));
-    parameters.push(parameter("preview", PREVIEW_DOC.to_owned(), schema));
+    parameters.extend(SWITCHES.iter().map(|switch| {
+        let schema = ObjectBuilder::new().schema_type(Type::Boolean).default(Some(switch.default.into()));
+        parameter(switch.name, switch.doc.to_owned(), schema)
+    }));
     parameters
 }

@@ -11,6 +11,7 @@ use meshcolor::pipeline::OPTIONS;
 use sha2::{Digest, Sha256};
 
 use super::representation::header_value;
+use crate::jobs::model::SWITCHES;
 
 const STYLE: &str = include_str!("page.css");
 const BODY: &str = include_str!("page.html");
@@ -25,10 +26,18 @@ static PAGE: LazyLock<(String, HeaderValue)> = LazyLock::new(|| {
             format!("<tr><td><code>{name}</code></td><td><code>{default}</code></td><td>{doc}. <small>{allowed}</small></td></tr>\n")
         })
         .collect();
+    let switches: String = SWITCHES
+        .iter()
+        .map(|switch| {
+            let [name, default, doc] = [switch.name, &switch.default.to_string(), switch.doc].map(escape);
+            format!("<tr><td><code>{name}</code></td><td><code>{default}</code></td><td>{doc}</td></tr>\n")
+        })
+        .collect();
     let html = BODY
         .replace("{{style}}", STYLE)
         .replace("{{version}}", env!("CARGO_PKG_VERSION"))
-        .replace("{{options}}", &rows);
+        .replace("{{options}}", &rows)
+        .replace("{{switches}}", &switches);
     let hash = STANDARD.encode(Sha256::digest(STYLE));
     let policy = format!(
         "default-src 'none'; style-src 'sha256-{hash}'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; sandbox"

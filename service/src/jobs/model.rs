@@ -96,16 +96,47 @@ impl JobState {
     }
 }
 
-/// What a client may choose: the conversion's options and whether to draw the picture.
+/// What a client may choose: the conversion's options, and what comes along.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobOptions {
     pub conversion: Options,
+    /// Whether to draw the seam-check sheet.
     pub preview: bool,
+    /// Whether to run every rung too, and show what each costs.
+    pub tradeoff: bool,
 }
+
+/// The yes-or-no options of the service itself.
+pub struct SwitchSpec {
+    pub name: &'static str,
+    pub default: bool,
+    pub doc: &'static str,
+    field: fn(&mut JobOptions) -> &mut bool,
+}
+
+pub const SWITCHES: [SwitchSpec; 2] = [
+    SwitchSpec {
+        name: "preview",
+        default: true,
+        doc: "Whether to draw the seam-check sheet.",
+        field: |options| &mut options.preview,
+    },
+    SwitchSpec {
+        name: "tradeoff",
+        default: false,
+        doc: "Whether to convert by every rung of every ladder too, and add `tradeoff/` with a table and a \
+              picture of error against time. That is some 13 conversions more: send it as a job.",
+        field: |options| &mut options.tradeoff,
+    },
+];
 
 impl Default for JobOptions {
     fn default() -> Self {
-        Self { conversion: Options::default(), preview: true }
+        let mut options = Self { conversion: Options::default(), preview: false, tradeoff: false };
+        for switch in &SWITCHES {
+            *(switch.field)(&mut options) = switch.default;
+        }
+        options
     }
 }
 
@@ -114,13 +145,16 @@ impl JobOptions {
     /// `InvalidOptions`, naming the option and what is allowed.
     pub fn from_json(object: &Map<String, Value>) -> meshcolor::Result<Self> {
         let mut rest = object.clone();
-        let preview = match rest.shift_remove("preview") {
-            None => true,
-            Some(Value::Bool(preview)) => preview,
-            Some(other) => return Err(refused_preview(&other.to_string())),
-        };
-        let conversion = Options::from_json(&rest).map_err(with_preview_named)?;
-        Ok(Self { conversion, preview })
+        let mut options = Self::default();
+        for switch in &SWITCHES {
+            match rest.shift_remove(switch.name) {
+                None => {}
+                Some(Value::Bool(value)) => *(switch.field)(&mut options) = value,
+                Some(other) => return Err(refused(switch.name, &other.to_string())),
+            }
+        }
+        options.conversion = Options::from_json(&rest).map_err(with_switches_named)?;
+        Ok(options)
     }
 
     /// Sets one option from its text form.
@@ -128,30 +162,34 @@ impl JobOptions {
     /// # Errors
     /// As [`JobOptions::from_json`].
     pub fn set(&mut self, name: &str, value: &str) -> meshcolor::Result<()> {
-        if name == "preview" {
-            self.preview = value.parse().map_err(|_| refused_preview(value))?;
+        if let Some(switch) = SWITCHES.iter().find(|switch| switch.name == name) {
+            *(switch.field)(self) = value.parse().map_err(|_| refused(name, value))?;
             return Ok(());
         }
-        self.conversion.set(name, value).map_err(with_preview_named)
+        self.conversion.set(name, value).map_err(with_switches_named)
     }
 
     /// Every option with its value.
     pub fn to_json(&self) -> Map<String, Value> {
         let mut object = self.conversion.to_json();
         object.insert("preview".to_owned(), self.preview.into());
+        object.insert("tradeoff".to_owned(), self.tradeoff.into());
         object
     }
 }
 
-fn refused_preview(value: &str) -> Error {
-    Error::new(ErrorCode::InvalidOptions, format!("preview = {value} is not allowed; allowed: true, false"))
-        .at("/preview")
+fn refused(name: &str, value: &str) -> Error {
+    Error::new(ErrorCode::InvalidOptions, format!("{name} = {value} is not allowed; allowed: true, false"))
+        .at(format!("/{name}"))
 }
 
 /// The conversion's list of known options lacks the service's own.
-fn with_preview_named(mut error: Error) -> Error {
+fn with_switches_named(mut error: Error) -> Error {
     if error.detail.contains("there are: ") {
-        error.detail.push_str(", preview");
+        for switch in &SWITCHES {
+            error.detail.push_str(", ");
+            error.detail.push_str(switch.name);
+        }
     }
     error
 }
@@ -311,6 +349,7 @@ mod tests {
         let mut options = JobOptions::default();
         options.set("resolution", "fixed:3").unwrap();
         options.set("preview", "false").unwrap();
+        options.set("tradeoff", "true").unwrap();
         assert_eq!(JobOptions::from_json(&options.to_json()).unwrap(), options);
     }
 
@@ -321,7 +360,7 @@ mod tests {
             JobOptions::from_json(&object).unwrap_err()
         };
         assert_eq!(read(r#"{"preview": "yes"}"#).pointer.as_deref(), Some("/preview"));
-        assert!(read(r#"{"colour": 1}"#).detail.ends_with(", preview"));
+        assert!(read(r#"{"colour": 1}"#).detail.ends_with(", preview, tradeoff"));
         assert_eq!(read(r#"{"cut": 400}"#).code, ErrorCode::InvalidOptions);
     }
 }

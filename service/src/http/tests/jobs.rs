@@ -26,7 +26,7 @@ async fn a_submission_is_accepted_followed_and_done() {
     assert_eq!(job["input"]["bytes"], 5);
     assert_eq!(job["attempt"], 1);
     assert_eq!(job["progress"]["percent"], 100);
-    assert_eq!(job["progress"]["stages"].as_array().unwrap().len(), 9);
+    assert_eq!(job["progress"]["stages"].as_array().unwrap().len(), 10);
     assert_eq!(job["preview"], serde_json::Value::Null);
     assert_eq!(job["report"]["max_seam_delta"], 0.75);
     for field in ["created_at", "started_at", "finished_at"] {

@@ -80,7 +80,7 @@ async fn malformed_uploads_are_refused_with_their_reason_and_leave_nothing() {
     let answer = bench.call("POST", "/v1/jobs?solver=magic", &[("content-type", "model/obj")], "ok").await;
     let problem = answer.problem(400, "invalid_options");
     assert_eq!(problem["pointer"], "/solver");
-    assert!(problem["detail"].as_str().unwrap().contains("clamp, global"));
+    assert!(problem["detail"].as_str().unwrap().contains("clamp, local, global"));
     assert_eq!(bench.scratch.job_files(), Vec::<String>::new());
     assert!(bench.get("/v1/jobs").await.json()["jobs"].as_array().unwrap().is_empty());
 }

@@ -3,10 +3,8 @@
 use ab_glyph::{Font, FontRef, PxScale, PxScaleFont, ScaleFont};
 
 use super::canvas::{Canvas, Ink};
+use crate::FONT;
 use crate::preview::PreviewError;
-
-/// Ubuntu Light, under the Ubuntu font licence; its package carries the text.
-const FONT: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
 
 /// The font, once for a sheet.
 pub struct Typeface {
