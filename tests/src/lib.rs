@@ -1,6 +1,7 @@
 //! What the black-box tests share.
 
 pub mod cases;
+pub mod hard;
 pub mod models;
 pub mod patches;
 pub mod reading;

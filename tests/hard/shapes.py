@@ -1,0 +1,106 @@
+"""Faces of bad shape, and edges and vertices with many faces."""
+
+from math import cos, pi, sin
+
+from document import sheet, soup
+from models import WELDED, checkers, polygons
+from pictures import function, ramp
+from surfaces import box, model, square
+
+CORNERS = [(0, 1), (1, 1), (1, 0), (0, 0)]
+
+
+def quad(points):
+    return list(zip(points, CORNERS))
+
+
+def faces(cases):
+    beside = square(box(0, 0, 1, 1), (1, 0))
+
+    def add(name, purpose, points, expect=None):
+        both = polygons([quad(points), beside], ramp(8))
+        cases[name] = (purpose, both, {"/standard/quads": 2, **(expect or {})}, WELDED)
+
+    no_area = {"/standard/warnings/zero_area_face": 1}
+    add("quad_on_a_line", "A quad whose corners lie on one line", [(1, 0, 0), (1, 1, 0), (1, 0.5, 0), (1, 0.25, 0)], no_area)
+    add("quad_at_a_point", "A quad whose corners are one point", [(1, 0, 0)] * 4, no_area)
+    add("quad_folded", "A quad whose two halves lie on each other", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (1, 0, 0)])
+    add("quad_crossing_itself", "A quad whose two sides cross", [(0, 0, 0), (1, 1, 0), (1, 0, 0), (0, 1, 0)])
+    add("quad_concave", "A quad with a corner that points in", [(0, 0, 0), (1, 0, 0), (0.4, 0.4, 0), (0, 1, 0)])
+    add("quad_bent", "A quad whose corners lie in no plane", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 3)])
+    strip = [quad([(k, 0, 0), (k + 1, 0, 0), (k + 1, 1e-6, 0), (k, 1e-6, 0)]) for k in range(3)]
+    cases["needle_quads"] = ("Quads a million times as long as wide", polygons(strip, checkers()), {"/standard/quads": 3},
+                             {"resolution": "fixed:2", **WELDED})
+    needles = [[((0, 0, 0), (0, 0)), ((1, 0, 0), (1, 0)), ((0.5, 1e-6, 0), (0.5, 1))],
+               [((1, 0, 0), (1, 0)), ((0, 0, 0), (0, 0)), ((0.5, -1e-6, 0), (0.5, 1))],
+               [((1, 0, 0), (1, 0)), ((0.5, 1e-6, 0), (0.5, 1)), ((1, 1, 0), (1, 1))]]
+    cases["needle_triangles"] = ("Triangles a million times as long as wide, beside one that is not",
+                                 model(*soup(needles), checkers()), {"/standard/faces": 3}, {"resolution": "fixed:3", **WELDED})
+
+
+def fans(cases):
+    for valence in (3, 4, 1000):
+        around = [2 * pi * k / valence for k in range(valence)]
+        vertices = [((0, 0, 0.3), (0.5, 0.5))]
+        vertices += [((cos(a), sin(a), 0), (0.5 + 0.5 * cos(a), 0.5 + 0.5 * sin(a))) for a in around]
+        indices = [index for k in range(valence) for index in (0, 1 + k, 1 + (k + 1) % valence)]
+        cases[f"valence_{valence}"] = (f"A cone of {valence} faces around one vertex, black and white",
+                                       model(vertices, indices, checkers(8, 8)), {"/standard/faces": valence}, WELDED)
+
+
+def shared_edges(cases):
+    for count in (3, 5):
+        wings = []
+        for k in range(count):
+            x, y = cos(2 * pi * k / count), sin(2 * pi * k / count)
+            wings.append(list(zip([(0, 0, 0), (x, y, 0), (x, y, 1), (0, 0, 1)],
+                                  [(0, 1), (0.2 + k / 7, 1), (0.2 + k / 7, 0), (0, 0)])))
+        cases[f"edge_of_{count}_faces"] = (f"{count} faces at one edge, black and white", model(*soup(wings), checkers(8, 8)),
+                                           {"/standard/faces": 2 * count}, WELDED)
+
+    def half_turn(u, v):
+        along, across = 2 * pi * u, (v - 0.5) * 0.6
+        radius = 1 + across * cos(along / 2)
+        return (radius * cos(along), radius * sin(along), across * sin(along / 2))
+
+    vertices, indices = sheet(6, 2, half_turn, lambda u, v: (u, v))
+    for row in range(3):
+        at, start = row * 7 + 6, (2 - row) * 7
+        vertices[at] = (vertices[start][0], vertices[at][1])
+    cases["moebius_strip"] = ("A strip with one side, black and white", model(vertices, indices, checkers(16, 16)),
+                              {"/standard/faces": 24}, WELDED)
+    unit = square(box(0, 0, 1, 1))
+    back = [unit[k] for k in (0, 3, 2, 1)]
+    cases["sheets_back_to_back"] = ("Two sheets at one place that face away from each other, black and white",
+                                    model(*soup([unit, back]), checkers(8, 8)), {"/standard/faces": 4}, WELDED)
+    for count in (2, 3):
+        cases[f"face_{count}_times"] = (f"One triangle {count} times", model(*soup([unit[:3]] * count), checkers(8, 8)),
+                                        {"/standard/faces": count}, WELDED)
+
+
+def pieces(cases):
+    islands = [square(box(0, 0, 1, 1), (2 * (k % 8), 2 * (k // 8)))[:3] for k in range(64)]
+    cases["all_boundary"] = ("Triangles of which no two meet", model(*soup(islands), checkers(8, 8)),
+                             {"/standard/faces": 64, "/standard/cut_edges": 0})
+    colors = function(lambda u, v: (255 if int(4 * u) % 2 else 0, 255 if int(4 * v) % 2 else 0, 255 * (int(4 * u) % 3) / 2), 16)
+    corner = lambda x, y: box(x / 4 + 0.1, y / 4 + 0.1, x / 4 + 0.15, y / 4 + 0.15)
+    odd = [square(corner((3 * k) % 4, (5 * k + k // 4) % 4), (k % 4, k // 4)) for k in range(16)]
+    cases["all_cuts"] = ("Squares of which no two agree at their edge", model(*soup(odd), colors), {"/standard/cut_edges": 24},
+                         {"cut": "0"})
+    cases["single_triangle"] = ("Nothing but one triangle, black and white",
+                                model(*soup([unit_triangle()]), checkers(8, 8)), {"/standard/faces": 1})
+    chain = [square(box(k / 32, 0, (k + 1) / 32, 1), (k, 0)) for k in range(32)]
+    cases["long_strip"] = ("A strip of 32 squares, 32 times as long as wide", model(*soup(chain), checkers(32, 32)),
+                           {"/standard/faces": 64}, WELDED)
+    cases["bent_sheet"] = ("A sheet whose every vertex stands elsewhere, black and white",
+                           model(*sheet(5, 5, lambda u, v: (u, v, sin(37 * u) * cos(53 * v)), lambda u, v: (u, v)), checkers(32, 32)),
+                           {"/standard/faces": 50}, WELDED)
+
+
+def unit_triangle():
+    return list(zip([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (1, 1), (0, 0)]))
+
+
+def add(cases):
+    for group in (faces, fans, shared_edges, pieces):
+        group(cases)
