@@ -16,11 +16,11 @@ def densities(cases):
     side = [(wide[1][0], (1, 1)), ((1.02, 0.5, 0), thin), (wide[2][0], (1, 0))]
     cases["exponents_0_and_8"] = ("Vertex colors beside a face of 256 segments a side", model(*soup([wide, side]), ramps),
                                   {"/standard/exponents": [1, 0, 0, 0, 0, 0, 0, 0, 2]}, {"resolution": "area:64", **WELDED})
-    # The coarse quads see one texel a side, black and white by turns: beyond vertex colors the steepest there is.
+    # The coarse quads see single texels: black on one side of the sheet, white on the other.
     whole = {(2, 2): (0, 0), (3, 2): (1, 0), (3, 3): (1, 1), (2, 3): (0, 1)}
     faces = []
     for x, y in [(x, y) for y in range(5) for x in range(5)]:
-        place = whole.get if (x, y) == (2, 2) else lambda p: at_texel(*p, 128)
+        place = whole.get if (x, y) == (2, 2) else lambda p: at_texel(int(sum(p) > 4), 0, 128)
         faces.append([((p[0], 5 - p[1], 0), place(p)) for p in [(x, y), (x, y + 1), (x + 1, y + 1), (x + 1, y)]])
     cases["dense_among_coarse"] = ("A quad of 128 segments a side in the middle of 24 of one segment",
                                    polygons(faces, checkers(128, 128)),

@@ -1,7 +1,11 @@
 //! One test for each hard case (`tests/hard`, remade by `make.py` there), and the page that shows them.
 
+use meshcolor::image::Transfer;
 use meshcolor_tests::cases::{files_of_cases, made_by};
 use meshcolor_tests::hard;
+use meshcolor_tests::hard::promises::{RESIDUAL, SEAM_CODES};
+use meshcolor_tests::hard::stages::far_levels;
+use meshcolor_tests::patches::{Patch, Random};
 
 macro_rules! cases {
     ($($name:ident,)*) => {
@@ -109,5 +113,30 @@ fn the_script_makes_the_same_files() {
     assert_eq!(made.keys().collect::<Vec<_>>(), kept.keys().collect::<Vec<_>>());
     for (name, bytes) in &made {
         assert!(*bytes == kept[name], "{name} is not what make.py writes");
+    }
+}
+
+/// Faces of exponent 0 up to level 20, where corners stand a millionth of a texel apart and rules weigh them by up to
+/// `4^20`. What must not grow: jumps, and how far the shown vertices are from the solved ones. The residual has the
+/// cancellation of such weights in 64 bits as its floor, and so has the optimum: to a tenth it stays where it was.
+#[test]
+fn twenty_levels_beyond_vertex_colors_stay_stable() {
+    for (seed, transfer) in
+        [(1, Transfer::Srgb), (2, Transfer::Linear), (3, Transfer::Srgb), (4, Transfer::Linear)]
+    {
+        let patch = Patch::wild(&mut Random::new(seed), 4);
+        let levels = far_levels(&patch, 20, transfer, seed);
+        let settled = levels[12].change_mean;
+        for found in &levels {
+            let cancellation = 4f64.powi(found.level as i32) * f64::EPSILON;
+            assert!(found.residual <= RESIDUAL + cancellation, "{found:?}");
+            assert!(found.jump_codes <= SEAM_CODES && found.apart_codes <= 0.51, "{found:?}");
+            // Continuity costs more from level to level and converges: one color for all that hangs together.
+            let slack = if found.level <= 13 { 1.002 } else { 1.1 };
+            assert!(
+                found.change_mean <= slack * settled && found.change_max < 1.0,
+                "{found:?}, settled at {settled}"
+            );
+        }
     }
 }

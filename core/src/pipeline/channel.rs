@@ -138,7 +138,9 @@ fn represent(
     let solved: Vec<Option<Solution>> = (wanted.par_iter().zip(&twins))
         .map(|(wanted, twin)| {
             let problem = Problem { rules, wanted, weights: &weights, center, is_stored };
-            twin.is_none().then(|| solve(&problem, matches!(solver, Solver::Global | Solver::Exact), &|| watch.canceled()))
+            twin.is_none().then(|| {
+                solve(&problem, matches!(solver, Solver::Global | Solver::Exact), &|| watch.canceled())
+            })
         })
         .collect();
     watch::check(watch)?;

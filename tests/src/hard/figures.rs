@@ -64,7 +64,8 @@ pub fn seam_max(channel: &ChannelReport) -> f64 {
 
 /// Of a row of figures of 0 or more; not a number where one of them is none.
 pub fn largest(figures: impl Iterator<Item = f64>) -> f64 {
-    figures.fold(0.0, |largest: f64, figure| if figure > largest || figure.is_nan() { figure } else { largest })
+    figures
+        .fold(0.0, |largest: f64, figure| if figure > largest || figure.is_nan() { figure } else { largest })
 }
 
 fn rounded(figure: f64) -> f64 {
@@ -73,8 +74,15 @@ fn rounded(figure: f64) -> f64 {
 
 /// Heading of [`row`].
 pub const HEADING: &[&str] = &[
-    "case", "what it is", "levels", "residual", "max seam", "max seam, `local`", "max seam, `clamp`",
-    "max change", "from `exact`",
+    "case",
+    "what it is",
+    "levels",
+    "residual",
+    "max seam",
+    "max seam, `local`",
+    "max seam, `clamp`",
+    "max change",
+    "from `exact`",
 ];
 
 /// The row of a case: over all runs that keep edges the largest residual and seam (channels in codes), the
