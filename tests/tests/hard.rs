@@ -2,10 +2,11 @@
 
 use meshcolor::image::Transfer;
 use meshcolor_tests::cases::{files_of_cases, made_by};
-use meshcolor_tests::hard;
 use meshcolor_tests::hard::promises::{RESIDUAL, SEAM_CODES};
 use meshcolor_tests::hard::stages::far_levels;
+use meshcolor_tests::hard::{self, page};
 use meshcolor_tests::patches::{Patch, Random};
+use meshcolor_tests::repository::hold;
 
 macro_rules! cases {
     ($($name:ident,)*) => {
@@ -113,6 +114,14 @@ fn the_script_makes_the_same_files() {
     assert_eq!(made.keys().collect::<Vec<_>>(), kept.keys().collect::<Vec<_>>());
     for (name, bytes) in &made {
         assert!(*bytes == kept[name], "{name} is not what make.py writes");
+    }
+}
+
+/// Times stay as they are: `--example hard_cases` measures them.
+#[test]
+fn the_page_shows_what_is_recorded() {
+    if !hard::records() {
+        hold(page::DOCUMENT, page::MARK, &page::text(&page::times()));
     }
 }
 

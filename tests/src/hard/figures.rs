@@ -1,9 +1,9 @@
-//! What is recorded of a run, and the table of all cases.
+//! What is recorded of a run.
 
 use meshcolor::measure::{ChannelReport, LevelReport, SolverReport, Unit};
 use serde_json::{Map, Value, json};
 
-use super::{HardCase, Outcome, promises};
+use super::Outcome;
 
 /// The key figures of a run over all its materials and channels, in codes unless a channel says degrees.
 pub fn of(outcome: &Outcome) -> Value {
@@ -20,7 +20,10 @@ pub fn of(outcome: &Outcome) -> Value {
         "lone": layouts().map(|layout| layout.lone_triangle_count).sum::<u64>(),
         "exponents": layouts().next().map(|layout| &layout.exponents),
         "cut_edges": report.channels.iter().map(|channel| channel.cuts.cut_edge_count).sum::<u64>(),
+        "levels": report.layouts.iter().map(|layout| layout.levels.len()).max(),
+        "seam_max": rounded(report.max_seam_delta_codes),
         "change_max": rounded(largest(solved(outcome).map(|level| level.change_max_codes))),
+        "residual_below": residual_below(outcome),
         "channels": report.channels.iter().map(channel).collect::<Vec<_>>(),
     });
     for level in 0..report.layouts.iter().map(|layout| layout.levels.len()).max().unwrap_or(0) {
@@ -46,6 +49,12 @@ fn channel(channel: &ChannelReport) -> Value {
     })
 }
 
+/// The largest residual that the solver left, as the power of ten above it; `None` where nothing was solved.
+fn residual_below(outcome: &Outcome) -> Option<i32> {
+    let is_solved = solved(outcome).next().is_some();
+    is_solved.then(|| power(largest(solved(outcome).map(|level| level.residual))))
+}
+
 /// One line for each run: enough to see what moved.
 pub fn lines(all: &Value) -> String {
     let members = all.as_object().into_iter().flatten();
@@ -68,62 +77,11 @@ pub fn largest(figures: impl Iterator<Item = f64>) -> f64 {
         .fold(0.0, |largest: f64, figure| if figure > largest || figure.is_nan() { figure } else { largest })
 }
 
-fn rounded(figure: f64) -> f64 {
+pub fn rounded(figure: f64) -> f64 {
     (figure * 100.0).round() / 100.0
 }
 
-/// Heading of [`row`].
-pub const HEADING: &[&str] = &[
-    "case",
-    "what it is",
-    "levels",
-    "residual",
-    "max seam",
-    "max seam, `local`",
-    "max seam, `clamp`",
-    "max change",
-    "from `exact`",
-];
-
-/// The row of a case: over all runs that keep edges the largest residual and seam (channels in codes), the
-/// seams of `local` and `clamp`, the largest change of any sample, and how many codes the images of `global`
-/// and `exact` differ by.
-pub fn row(hard: &HardCase) -> Vec<String> {
-    let what = hard.case.purpose.clone();
-    let outcomes = match hard.outcomes() {
-        Ok(outcomes) => outcomes,
-        Err(error) => {
-            let refused = format!("refused: `{}`", error.code.name());
-            let blank = std::iter::repeat_n(String::new(), HEADING.len() - 3);
-            return [format!("`{}`", hard.name), what, refused].into_iter().chain(blank).collect();
-        }
-    };
-    let kept: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.keeps_edges()).collect();
-    let seam = |outcome: &Outcome| outcome.conversion.report.max_seam_delta_codes;
-    let is_solved = kept.iter().any(|outcome| solved(outcome).next().is_some());
-    let residual = largest(kept.iter().flat_map(|outcome| solved(outcome)).map(|level| level.residual));
-    let change = largest(kept.iter().flat_map(|outcome| solved(outcome)).map(|level| level.change_max_codes));
-    let levels = outcomes[0].conversion.finished.textures.iter().map(|texture| texture.levels.len()).max();
-    let damage = |name: &str| codes(seam(super::by_name(&outcomes, name)));
-    let [global, library] = [super::GLOBAL, super::LIBRARY].map(|name| super::by_name(&outcomes, name));
-    vec![
-        format!("`{}`", hard.name),
-        what,
-        levels.unwrap_or(0).to_string(),
-        if is_solved { power(residual) } else { "not solved".to_owned() },
-        codes(largest(kept.iter().map(|outcome| seam(outcome)))),
-        damage("local"),
-        damage("clamp"),
-        codes(change),
-        if is_solved { codes(promises::texels_apart_codes(global, library)) } else { String::new() },
-    ]
-}
-
-fn codes(figure: f64) -> String {
-    format!("{figure:.1}")
-}
-
-/// The power of ten above a figure: what lies below is rounding, and another on every processor.
-fn power(figure: f64) -> String {
-    if figure == 0.0 { "0".to_owned() } else { format!("< 1e{}", figure.log10().floor() as i32 + 1) }
+/// The power of ten above a figure, -12 for whatever is less: that is rounding, and another on every processor.
+fn power(figure: f64) -> i32 {
+    (figure.max(1e-13).log10().floor() as i32 + 1).max(-12)
 }

@@ -2,6 +2,7 @@
 //! held against what must hold however nasty the model is. `expected.json` has one line for each run.
 
 pub mod figures;
+pub mod page;
 pub mod promises;
 pub mod stages;
 
@@ -51,6 +52,11 @@ pub fn names() -> Vec<String> {
     names_in(&folder())
 }
 
+/// Whether figures are being recorded, and may be half written.
+pub fn records() -> bool {
+    std::env::var_os("UPDATE_CASES").is_some_and(|value| value == "1")
+}
+
 /// A hard case, read.
 pub struct HardCase {
     pub name: String,
@@ -94,6 +100,12 @@ impl HardCase {
         Ok(Outcome { run: *run, options, conversion })
     }
 
+    /// What `expected.json` has; `Null` where nothing was recorded yet.
+    pub fn recorded(&self) -> Value {
+        let text = std::fs::read_to_string(self.folder.join("expected.json")).unwrap_or_default();
+        serde_json::from_str(&text).unwrap_or_default()
+    }
+
     /// All runs; one error where the model is refused.
     ///
     /// # Errors
@@ -129,7 +141,10 @@ pub fn run(name: &str) {
             promises::check_same_optimum(name, by_name(&outcomes, GLOBAL), by_name(&outcomes, LIBRARY));
             promises::check_one_color(&hard);
             let figures = outcomes.iter().map(|outcome| (outcome.run.name.to_owned(), figures::of(outcome)));
-            (Value::Object(figures.collect()), String::new())
+            let mut all = Value::Object(figures.collect());
+            let apart = promises::texels_apart_codes(by_name(&outcomes, GLOBAL), by_name(&outcomes, LIBRARY));
+            all[LIBRARY]["from_global_codes"] = figures::rounded(apart).into();
+            (all, String::new())
         }
         Err(Error { code, detail, pointer, limit, actual }) => {
             let error = json!({ "code": code.name(), "pointer": pointer, "limit": limit, "actual": actual, "detail": detail });
