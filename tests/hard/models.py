@@ -34,6 +34,11 @@ def checkers(width=4, height=4, low=(0, 0, 0), high=(255, 255, 255), **more):
     return png(width, height, lambda x, y: high if (x + y) % 2 else low, **more)
 
 
+def halves(side):
+    """Black above one diagonal and white below: a contrast that no filter averages away soon."""
+    return png(side, side, lambda x, y: (255,) * 3 if x + y >= side else (0,) * 3)
+
+
 def at_texel(x, y, side=4):
     """The place of a texel's center in a picture of this side."""
     return ((x + 0.5) / side, (y + 0.5) / side)

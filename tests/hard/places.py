@@ -3,7 +3,7 @@
 from math import inf, nan
 
 from document import sheet, soup
-from models import WELDED, at_texel, checkers, error, polygons
+from models import WELDED, at_texel, checkers, error, halves, polygons
 from pictures import function, ramp
 from surfaces import box, model, square
 
@@ -29,7 +29,7 @@ def densities(cases):
 
 def positions(cases):
     def add(name, purpose, position, expect=None):
-        cases[name] = (purpose, model(*sheet(4, 4, position, UV), checkers(16, 16)), {"/standard/faces": 32, **(expect or {})},
+        cases[name] = (purpose, model(*sheet(4, 4, position, UV), halves(16)), {"/standard/faces": 32, **(expect or {})},
                        WELDED)
 
     add("at_1e6", "A sheet of side 1 at a million", lambda u, v: (u + 1e6, v - 1e6, 1e6))
@@ -42,7 +42,7 @@ def positions(cases):
     huge, tiny = square(box(0, 0, 1, 1)), square(box(0, 0, 1, 1), (3, 0))
     faces = [[((x * 1e6, y * 1e6, z), uv) for (x, y, z), uv in huge], [((x * 1e-6, y * 1e-6, z), uv) for (x, y, z), uv in tiny]]
     cases["tiny_part_in_a_huge_scene"] = ("A square of a millionth beside one of a million",
-                                          model(*soup(faces), checkers(16, 16)), {"/standard/faces": 4}, WELDED)
+                                          model(*soup(faces), halves(16)), {"/standard/faces": 4}, WELDED)
     for name, value in (("nan", nan), ("infinite", inf)):
         points = [((value, 0, 0), (0, 0)), ((1, 0, 0), (1, 0)), ((0, 1, 0), (0, 1))]
         cases[f"position_{name}"] = (f"A position that is {value}", model(points, [0, 1, 2], ramp(8)),
@@ -58,7 +58,7 @@ def positions(cases):
 def coordinates(cases):
     def add(name, purpose, places, expect, options=None):
         beside = square(box(0, 0, 1, 1), (1, 0))
-        files = model(*soup([square(places), beside]), checkers(8, 8))
+        files = model(*soup([square(places), beside]), halves(8))
         cases[name] = (purpose, files, expect, options or WELDED)
 
     add("uv_nan", "A texture coordinate that is not a number", [(nan, 0), (1, 0), (1, 1), (0, 1)],

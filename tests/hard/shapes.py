@@ -3,8 +3,8 @@
 from math import cos, pi, sin
 
 from document import sheet, soup
-from models import WELDED, checkers, polygons
-from pictures import function, ramp
+from models import WELDED, checkers, halves, polygons
+from pictures import function
 from surfaces import box, model, square
 
 CORNERS = [(0, 1), (1, 1), (1, 0), (0, 0)]
@@ -18,7 +18,7 @@ def faces(cases):
     beside = square(box(0, 0, 1, 1), (1, 0))
 
     def add(name, purpose, points, expect=None):
-        both = polygons([quad(points), beside], ramp(8))
+        both = polygons([quad(points), beside], halves(8))
         cases[name] = (purpose, both, {"/standard/quads": 2, **(expect or {})}, WELDED)
 
     no_area = {"/standard/warnings/zero_area_face": 1}
@@ -29,13 +29,13 @@ def faces(cases):
     add("quad_concave", "A quad with a corner that points in", [(0, 0, 0), (1, 0, 0), (0.4, 0.4, 0), (0, 1, 0)])
     add("quad_bent", "A quad whose corners lie in no plane", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 3)])
     strip = [quad([(k, 0, 0), (k + 1, 0, 0), (k + 1, 1e-6, 0), (k, 1e-6, 0)]) for k in range(3)]
-    cases["needle_quads"] = ("Quads a million times as long as wide", polygons(strip, checkers()), {"/standard/quads": 3},
+    cases["needle_quads"] = ("Quads a million times as long as wide", polygons(strip, halves(8)), {"/standard/quads": 3},
                              {"resolution": "fixed:2", **WELDED})
     needles = [[((0, 0, 0), (0, 0)), ((1, 0, 0), (1, 0)), ((0.5, 1e-6, 0), (0.5, 1))],
                [((1, 0, 0), (1, 0)), ((0, 0, 0), (0, 0)), ((0.5, -1e-6, 0), (0.5, 1))],
                [((1, 0, 0), (1, 0)), ((0.5, 1e-6, 0), (0.5, 1)), ((1, 1, 0), (1, 1))]]
     cases["needle_triangles"] = ("Triangles a million times as long as wide, beside one that is not",
-                                 model(*soup(needles), checkers()), {"/standard/faces": 3}, {"resolution": "fixed:3", **WELDED})
+                                 model(*soup(needles), halves(8)), {"/standard/faces": 3}, {"resolution": "fixed:3", **WELDED})
 
 
 def fans(cases):
@@ -45,7 +45,7 @@ def fans(cases):
         vertices += [((cos(a), sin(a), 0), (0.5 + 0.5 * cos(a), 0.5 + 0.5 * sin(a))) for a in around]
         indices = [index for k in range(valence) for index in (0, 1 + k, 1 + (k + 1) % valence)]
         cases[f"valence_{valence}"] = (f"A cone of {valence} faces around one vertex, black and white",
-                                       model(vertices, indices, checkers(8, 8)), {"/standard/faces": valence}, WELDED)
+                                       model(vertices, indices, halves(16)), {"/standard/faces": valence}, WELDED)
 
 
 def shared_edges(cases):
@@ -55,7 +55,7 @@ def shared_edges(cases):
             x, y = cos(2 * pi * k / count), sin(2 * pi * k / count)
             wings.append(list(zip([(0, 0, 0), (x, y, 0), (x, y, 1), (0, 0, 1)],
                                   [(0, 1), (0.2 + k / 7, 1), (0.2 + k / 7, 0), (0, 0)])))
-        cases[f"edge_of_{count}_faces"] = (f"{count} faces at one edge, black and white", model(*soup(wings), checkers(8, 8)),
+        cases[f"edge_of_{count}_faces"] = (f"{count} faces at one edge, black and white", model(*soup(wings), halves(16)),
                                            {"/standard/faces": 2 * count}, WELDED)
 
     def half_turn(u, v):
@@ -67,14 +67,14 @@ def shared_edges(cases):
     for row in range(3):
         at, start = row * 7 + 6, (2 - row) * 7
         vertices[at] = (vertices[start][0], vertices[at][1])
-    cases["moebius_strip"] = ("A strip with one side, black and white", model(vertices, indices, checkers(16, 16)),
+    cases["moebius_strip"] = ("A strip with one side, black and white", model(vertices, indices, halves(16)),
                               {"/standard/faces": 24}, WELDED)
     unit = square(box(0, 0, 1, 1))
     back = [unit[k] for k in (0, 3, 2, 1)]
     cases["sheets_back_to_back"] = ("Two sheets at one place that face away from each other, black and white",
-                                    model(*soup([unit, back]), checkers(8, 8)), {"/standard/faces": 4}, WELDED)
+                                    model(*soup([unit, back]), halves(8)), {"/standard/faces": 4}, WELDED)
     for count in (2, 3):
-        cases[f"face_{count}_times"] = (f"One triangle {count} times", model(*soup([unit[:3]] * count), checkers(8, 8)),
+        cases[f"face_{count}_times"] = (f"One triangle {count} times", model(*soup([unit[:3]] * count), halves(8)),
                                         {"/standard/faces": count}, WELDED)
 
 
@@ -90,8 +90,15 @@ def pieces(cases):
     cases["single_triangle"] = ("Nothing but one triangle, black and white",
                                 model(*soup([unit_triangle()]), checkers(8, 8)), {"/standard/faces": 1})
     chain = [square(box(k / 32, 0, (k + 1) / 32, 1), (k, 0)) for k in range(32)]
-    cases["long_strip"] = ("A strip of 32 squares, 32 times as long as wide", model(*soup(chain), checkers(32, 32)),
+    cases["long_strip"] = ("A strip of 32 squares, 32 times as long as wide", model(*soup(chain), halves(32)),
                            {"/standard/faces": 64}, WELDED)
+    side = range(6)
+    step = [[((x + a, y + b, 0), ((x + a) / 6, (y + b) / 6)) for a, b in ((0, 0), (0, 1), (1, 1), (1, 0))] for x in side for y in side]
+    triangles = [part for face in step for part in (face[:3], face[:1] + face[2:])]
+    for name, faces in (("quads", step), ("triangles", triangles)):
+        cases[f"black_and_white_{name}"] = (f"A sheet of {name} of one segment, black on one side and white on the other",
+                                            polygons(faces, halves(32)), {"/standard/faces": len(faces)},
+                                            {"resolution": "fixed:0", **WELDED})
     cases["bent_sheet"] = ("A sheet whose every vertex stands elsewhere, black and white",
                            model(*sheet(5, 5, lambda u, v: (u, v, sin(37 * u) * cos(53 * v)), lambda u, v: (u, v)), checkers(32, 32)),
                            {"/standard/faces": 50}, WELDED)

@@ -30,6 +30,8 @@ cases! {
     alpha_mask_checkers,
     at_1e6,
     bent_sheet,
+    black_and_white_quads,
+    black_and_white_triangles,
     black_face_white_edges,
     checkers_lone_0,
     checkers_lone_1,

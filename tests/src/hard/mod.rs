@@ -12,7 +12,7 @@ use meshcolor::Error;
 use meshcolor::asset::Asset;
 use meshcolor::pipeline::{Conversion, Options, Solver, convert_asset};
 use meshcolor::read::read;
-use meshcolor::watch::Unwatched;
+use meshcolor::watch::{Unwatched, Watch};
 use serde_json::{Map, Value, json};
 
 use crate::cases::{Case, names_in};
@@ -93,10 +93,10 @@ impl HardCase {
 
     /// # Errors
     /// What the conversion refuses.
-    pub fn convert(&self, run: &Run) -> Result<Outcome, Error> {
+    pub fn convert(&self, run: &Run, watch: &dyn Watch) -> Result<Outcome, Error> {
         let options = self.options(run);
         let model = self.model.clone()?;
-        let conversion = convert_asset(model, &options, &self.case.limits(), &Unwatched)?;
+        let conversion = convert_asset(model, &options, &self.case.limits(), watch)?;
         Ok(Outcome { run: *run, options, conversion })
     }
 
@@ -114,9 +114,10 @@ impl HardCase {
     /// # Panics
     /// Where one run refuses what another takes.
     pub fn outcomes(&self) -> Result<Vec<Outcome>, Error> {
-        let first = self.convert(&RUNS[0])?;
+        let first = self.convert(&RUNS[0], &Unwatched)?;
         let others = RUNS[1..].iter().map(|run| {
-            self.convert(run).unwrap_or_else(|error| panic!("{}, {}: {error}", self.name, run.name))
+            self.convert(run, &Unwatched)
+                .unwrap_or_else(|error| panic!("{}, {}: {error}", self.name, run.name))
         });
         Ok(std::iter::once(first).chain(others).collect())
     }
