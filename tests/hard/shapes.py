@@ -104,10 +104,25 @@ def pieces(cases):
                            {"/standard/faces": 50}, WELDED)
 
 
+def neighbors(cases):
+    """Faces that meet in ways that no tool should write, and all do."""
+    unit = square(box(0, 0, 1, 1))
+    right = square(box(0, 0, 1, 1), (1, 0))
+    against = [right[k] for k in (0, 3, 2, 1)]
+    cases["opposite_winding"] = ("Two squares that wind against each other", polygons([unit, against], halves(8)),
+                                 {"/standard/quads": 2}, WELDED)
+    short = lambda low: [((x, (low + y) / 2, z), (u, v)) for (x, y, z), (u, v) in right]
+    cases["t_junction"] = ("A square beside two of half its height: no edge is shared",
+                           polygons([unit, short(0), short(1)], halves(8)), {"/standard/quads": 3, "/standard/cut_edges": 0}, WELDED)
+    gap = [((x + 1e-6, y, z), uv) for (x, y, z), uv in right]
+    cases["nearly_welded"] = ("Two squares a millionth apart: they do not touch", polygons([unit, gap], halves(8)),
+                              {"/standard/quads": 2, "/standard/cut_edges": 0}, WELDED)
+
+
 def unit_triangle():
     return list(zip([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1), (1, 1), (0, 0)]))
 
 
 def add(cases):
-    for group in (faces, fans, shared_edges, pieces):
+    for group in (faces, fans, shared_edges, pieces, neighbors):
         group(cases)

@@ -1,10 +1,16 @@
 //! One test for each hard case (`tests/hard`, remade by `make.py` there), and the page that shows them.
 
-use meshcolor::image::Transfer;
+use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use meshcolor::image::{Pixels, Transfer};
+use meshcolor::measure::SolverReport;
+use meshcolor::pipeline::Conversion;
+use meshcolor::watch::Unwatched;
 use meshcolor_tests::cases::{files_of_cases, made_by};
-use meshcolor_tests::hard::promises::{RESIDUAL, SEAM_CODES};
+use meshcolor_tests::hard::promises::{RESIDUAL, SEAM_CODES, check};
 use meshcolor_tests::hard::stages::far_levels;
-use meshcolor_tests::hard::{self, page};
+use meshcolor_tests::hard::{self, HardCase, RUNS, page};
 use meshcolor_tests::patches::{Patch, Random};
 use meshcolor_tests::repository::hold;
 
@@ -60,6 +66,7 @@ cases! {
     factors_extreme,
     long_strip,
     moebius_strip,
+    nearly_welded,
     needle_quads,
     needle_triangles,
     normal_scale_denormal,
@@ -70,6 +77,7 @@ cases! {
     of_size_1e9,
     of_size_1e_minus_20,
     of_size_1e_minus_6,
+    opposite_winding,
     points_beside_faces,
     position_infinite,
     position_nan,
@@ -86,6 +94,7 @@ cases! {
     source_16385x1,
     source_1x1,
     source_1x16384,
+    t_junction,
     tiny_part_in_a_huge_scene,
     uv_constant,
     uv_huge,
@@ -150,4 +159,40 @@ fn twenty_levels_beyond_vertex_colors_stay_stable() {
             );
         }
     }
+}
+
+#[test]
+fn the_promises_see_what_they_look_for() {
+    let hard = HardCase::load("source_1x1");
+    let breaks = |change: &dyn Fn(&mut Conversion)| {
+        let mut outcome = hard.convert(&RUNS[0], &Unwatched).unwrap();
+        change(&mut outcome.conversion);
+        catch_unwind(AssertUnwindSafe(|| check("source_1x1", &outcome)))
+            .err()
+            .map(|panic| *panic.downcast().unwrap())
+    };
+    assert_eq!(breaks(&|_| ()), None::<String>);
+    let sees = |wanted: &str, change: &dyn Fn(&mut Conversion)| {
+        let said = breaks(change).unwrap_or_default();
+        assert!(said.contains(wanted), "{wanted}: {said}");
+    };
+    sees("not finite", &|it| it.report.channels[0].levels[1].drift = Some(f64::NAN));
+    sees("has a corner", &|it| it.finished.primitives[0].triangles[3].offset.x = f32::NAN);
+    sees("has a corner", &|it| it.finished.primitives[0].triangles[3].offset.y += 99.0);
+    sees("a seam of", &|it| it.report.max_seam_delta_codes = 1.6);
+    sees("out of range by", &|it| {
+        it.report.channels[0].solver.push(SolverReport { residual: 2e-6, ..SolverReport::default() });
+    });
+    // A texel at a corner that several faces share; then every texel, which no edge tells.
+    let tint = |it: &mut Conversion, level: usize, texels: Range<usize>| {
+        let Pixels::U8(codes) = &mut it.finished.textures[0].levels[level].pixels else { panic!("8 bits") };
+        let end = texels.end.min(codes.len() / 3);
+        (texels.start..end).for_each(|texel| codes[3 * texel] += 2);
+    };
+    let corner = |it: &Conversion| {
+        let place = it.finished.primitives[0].triangles[9].place(0, 0);
+        place.y as usize * it.finished.textures[0].levels[0].width as usize + place.x as usize
+    };
+    sees("jumps by", &|it| (0..3).for_each(|_| tint(it, 0, corner(it)..corner(it) + 1)));
+    sees("outside of", &|it| tint(it, 2, 0..usize::MAX));
 }
