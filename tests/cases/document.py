@@ -3,6 +3,7 @@
 import base64
 import json
 import struct
+from math import isfinite
 
 CODES = {5120: "b", 5121: "B", 5122: "h", 5123: "H", 5125: "I", 5126: "f"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
@@ -40,7 +41,7 @@ class Gltf:
         strided = {"byteStride": stride} if stride != element else {}
         view = self.view(b"".join(map(pack, rows)), **strided)
         bounds = {}
-        if kind == "VEC3" and component == F32 and all(value == value for row in rows for value in row):
+        if kind == "VEC3" and component == F32 and all(isfinite(value) for row in rows for value in row):
             single = lambda value: struct.unpack("<f", struct.pack("<f", value))[0]
             columns = [[single(value) for value in column] for column in zip(*rows)]
             bounds = {"min": [min(column) for column in columns], "max": [max(column) for column in columns]}

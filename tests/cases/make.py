@@ -9,7 +9,6 @@ FOLDER is this script's own where it is left out. expected.json is not written h
 conversion was seen to give (UPDATE_CASES=1 cargo test -p meshcolor-tests --test cases).
 """
 
-import json
 import sys
 from pathlib import Path
 
@@ -19,6 +18,7 @@ import extremes
 import formats
 import refusals
 import surfaces
+import writing
 
 
 def main():
@@ -26,15 +26,7 @@ def main():
     cases = {}
     for group in (surfaces, formats, extremes, refusals):
         group.add(cases)
-    for name, (purpose, files, expect, *settings) in cases.items():
-        place = folder / name
-        place.mkdir(parents=True, exist_ok=True)
-        for file, data in files.items():
-            (place / file).write_bytes(data)
-        options, limits = (settings + [{}, {}])[:2]
-        case = {"purpose": purpose, "main": next(iter(files)), "options": options, "limits": limits, "expect": expect}
-        text = json.dumps(case, indent=1, ensure_ascii=False)
-        (place / "case.json").write_text(text + "\n", encoding="utf-8")
+    writing.write(folder, cases)
 
 
 main()

@@ -1,10 +1,13 @@
 //! What the black-box tests share.
 
 pub mod cases;
+pub mod faces;
+pub mod hard;
 pub mod models;
 pub mod patches;
 pub mod reading;
 pub mod repository;
+pub mod solids;
 pub mod validator;
 
 /// Whether a missing tool is a failure: `tests/run` says so, because it has installed them.

@@ -1,9 +1,5 @@
 //! One test for each golden case (`tests/cases`, remade by `make.py` there).
 
-use std::collections::BTreeMap;
-use std::path::Path;
-use std::process::Command;
-
 use meshcolor_tests::cases;
 
 macro_rules! cases {
@@ -132,32 +128,10 @@ fn every_folder_is_listed_and_every_listed_case_has_a_folder() {
     assert_eq!(cases::names(), LISTED);
 }
 
-/// All files below a folder's folders, by `CASE/FILE`, but what conversions recorded.
-fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut files = BTreeMap::new();
-    let folders = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
-    for case in folders.filter(|entry| entry.path().is_dir() && entry.file_name() != "__pycache__") {
-        for file in std::fs::read_dir(case.path()).unwrap().map(|entry| entry.unwrap()) {
-            let name = format!("{}/{}", case.file_name().display(), file.file_name().display());
-            if !name.ends_with("/expected.json") {
-                files.insert(name, std::fs::read(file.path()).unwrap());
-            }
-        }
-    }
-    files
-}
-
 #[test]
 fn the_script_makes_the_same_files() {
-    let folder = std::env::temp_dir().join(format!("meshcolor-cases-{}", std::process::id()));
-    let made = Command::new("python3").arg(cases::folder().join("make.py")).arg(&folder).status();
-    let Ok(status) = made else {
-        println!("skipped: make.py (no python3)");
-        return;
-    };
-    assert!(status.success(), "make.py: {status}");
-    let (made, kept) = (files(&folder), files(&cases::folder()));
-    std::fs::remove_dir_all(&folder).unwrap();
+    let Some(made) = cases::made_by(&cases::folder().join("make.py")) else { return };
+    let kept = cases::files_of_cases(&cases::folder());
     assert_eq!(made.keys().collect::<Vec<_>>(), kept.keys().collect::<Vec<_>>());
     for (name, bytes) in &made {
         assert!(*bytes == kept[name], "{name} is not what make.py writes");

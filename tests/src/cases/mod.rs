@@ -4,6 +4,9 @@
 //! `UPDATE_CASES=1` records anew. A case that fails leaves both sides under `target/cases/NAME`.
 
 mod figures;
+mod script;
+
+pub use script::{files_of_cases, made_by};
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,21 +21,21 @@ use serde_json::{Map, Value};
 use crate::validator;
 
 /// `case.json`.
-#[derive(Deserialize)]
+#[derive(Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Case {
-    #[allow(dead_code, reason = "for people")]
-    purpose: String,
+pub struct Case {
+    /// For people.
+    pub purpose: String,
     main: String,
-    options: Map<String, Value>,
+    pub options: Map<String, Value>,
     limits: CaseLimits,
     /// JSON pointers into the figures with their values; `null` where nothing may stand.
     expect: BTreeMap<String, Value>,
 }
 
-#[derive(Default, Deserialize)]
+#[derive(Clone, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-struct CaseLimits {
+pub struct CaseLimits {
     texture_side: Option<u32>,
 }
 
@@ -48,8 +51,16 @@ pub fn folder() -> PathBuf {
 /// # Panics
 /// Where the folder cannot be read.
 pub fn names() -> Vec<String> {
+    names_in(&folder())
+}
+
+/// Names of the cases in a folder, sorted.
+///
+/// # Panics
+/// Where the folder cannot be read.
+pub fn names_in(folder: &Path) -> Vec<String> {
     let entries =
-        std::fs::read_dir(folder()).expect("the folder of cases").map(|entry| entry.expect("an entry"));
+        std::fs::read_dir(folder).expect("the folder of cases").map(|entry| entry.expect("an entry"));
     let folders = entries.filter(|entry| entry.path().is_dir() && entry.file_name() != "__pycache__");
     let mut names: Vec<String> =
         folders.map(|entry| entry.file_name().into_string().expect("UTF-8")).collect();
@@ -63,34 +74,9 @@ pub fn names() -> Vec<String> {
 /// Where a figure is not what it has to be, with both.
 pub fn run(name: &str) {
     let folder = folder().join(name);
-    let text = |file: &str| {
-        std::fs::read_to_string(folder.join(file)).unwrap_or_else(|e| panic!("{name}/{file}: {e}"))
-    };
-    let case: Case =
-        serde_json::from_str(&text("case.json")).unwrap_or_else(|e| panic!("{name}/case.json: {e}"));
+    let case = Case::load(&folder);
     let (figures, detail) = case.figures(name, &folder);
-    let actual = figures::text(&figures, 0) + "\n";
-    for (pointer, wanted) in &case.expect {
-        if pointer == DETAIL_CONTAINS {
-            let wanted = wanted.as_str().expect("a text");
-            assert!(detail.contains(wanted), "{name}: the detail lacks {wanted:?}: {detail}");
-            continue;
-        }
-        let found = figures.pointer(pointer).unwrap_or(&Value::Null);
-        assert!(equal(found, wanted), "{name}: {pointer} is {found}, not {wanted}, in\n{actual}");
-    }
-    if std::env::var_os("UPDATE_CASES").is_some_and(|value| value == "1") {
-        std::fs::write(folder.join("expected.json"), actual).expect("expected.json");
-        return;
-    }
-    let expected = text("expected.json");
-    if actual != expected {
-        let left = leave(name, &expected, &actual);
-        panic!(
-            "{name}: not the recorded figures; both are in {}\nexpected {expected}\nactual {actual}",
-            left.display()
-        );
-    }
+    case.judge_figures(&folder, &figures, &detail, &(figures::text(&figures, 0) + "\n"));
 }
 
 fn equal(found: &Value, wanted: &Value) -> bool {
@@ -110,7 +96,46 @@ fn leave(name: &str, expected: &str, actual: &str) -> PathBuf {
 }
 
 impl Case {
-    fn upload(&self, folder: &Path) -> Upload {
+    /// # Panics
+    /// Where `case.json` is missing or not what it has to be.
+    pub fn load(folder: &Path) -> Self {
+        let path = folder.join("case.json");
+        let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+    }
+
+    /// Holds figures against what the case expects, then against what was recorded as `actual`; records
+    /// instead with `UPDATE_CASES=1`.
+    ///
+    /// # Panics
+    /// Where a figure is not what it has to be, with both.
+    pub fn judge_figures(&self, folder: &Path, figures: &Value, detail: &str, actual: &str) {
+        let name = folder.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        for (pointer, wanted) in &self.expect {
+            if pointer == DETAIL_CONTAINS {
+                let wanted = wanted.as_str().expect("a text");
+                assert!(detail.contains(wanted), "{name}: the detail lacks {wanted:?}: {detail}");
+                continue;
+            }
+            let found = figures.pointer(pointer).unwrap_or(&Value::Null);
+            assert!(equal(found, wanted), "{name}: {pointer} is {found}, not {wanted}, in\n{actual}");
+        }
+        let path = folder.join("expected.json");
+        if std::env::var_os("UPDATE_CASES").is_some_and(|value| value == "1") {
+            std::fs::write(path, actual).expect("expected.json");
+            return;
+        }
+        let expected = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        if actual != expected {
+            let left = leave(name, &expected, actual);
+            panic!(
+                "{name}: not the recorded figures; both are in {}\nexpected {expected}\nactual {actual}",
+                left.display()
+            );
+        }
+    }
+
+    pub fn upload(&self, folder: &Path) -> Upload {
         let mut files = MemoryFiles::default();
         for entry in std::fs::read_dir(folder).expect("the case's folder") {
             let path = entry.expect("an entry").path();
@@ -122,7 +147,7 @@ impl Case {
         Upload { main: self.main.clone(), files: Box::new(files) }
     }
 
-    fn limits(&self) -> Limits {
+    pub fn limits(&self) -> Limits {
         let mut limits = Limits::default();
         limits.texture_side = self.limits.texture_side.unwrap_or(limits.texture_side);
         limits
