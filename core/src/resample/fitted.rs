@@ -72,7 +72,7 @@ pub fn fit(
         Pixels::U16(_) => 1e-6,
     };
     let (step_count, residual) = solver.descend(tolerance, watch)?;
-    let clamped_count = if source.channel.is_normal() { 0 } else { solver.bring_into_range(watch)? };
+    let clamped_count = if source.channel.is_normal() { 0 } else { solver.bring_into_range(tolerance, watch)? };
     Ok((solver.values, Fit { step_count, residual, tolerance, clamped_count }))
 }
 
@@ -180,11 +180,10 @@ impl<'a> Solver<'a> {
     }
 
     /// Clamps all samples to [0, 1], and where that changed any takes steps that stay there. Returns how many
-    /// were out of range by more than a trifle.
-    fn bring_into_range(&mut self, watch: &dyn Watch) -> Result<u64> {
-        /// A hundredth of a 16-bit code.
-        const TRIFLE: f32 = 1.5e-7;
-        let outside = |value: &&Vec4| value.min_element() < -TRIFLE || value.max_element() > 1.0 + TRIFLE;
+    /// were out of range by more than the fit leaves open.
+    fn bring_into_range(&mut self, tolerance: f64, watch: &dyn Watch) -> Result<u64> {
+        let trifle = tolerance as f32;
+        let outside = |value: &&Vec4| value.min_element() < -trifle || value.max_element() > 1.0 + trifle;
         let count = self.values.par_iter().filter(outside).count() as u64;
         let steps = if count > 0 { PROJECTED_STEPS } else { 0 };
         for step in 0..=steps {

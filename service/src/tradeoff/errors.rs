@@ -4,7 +4,7 @@
 //! as many points of the surface); percentiles and maxima are those of the worst channel, because
 //! percentiles of a union do not follow from those of its parts.
 
-use meshcolor::measure::{ChannelReport, Fidelity, LevelReport, Report, SolverReport, Unit};
+use meshcolor::measure::{ChannelReport, Fidelity, LevelReport, Report, Unit};
 
 use super::record::{Change, Errors, LevelError, Output, Spread, UnitErrors};
 
@@ -26,17 +26,12 @@ pub fn output_of(report: &Report) -> Output {
 
 /// What the report tells of level 0.
 fn of_level_0(fidelity: &Fidelity) -> Spread {
-    Spread { rms: fidelity.rms, p99: None, max: None }
+    Spread { rms: fidelity.rms, p99: Some(fidelity.p99), max: Some(fidelity.max) }
 }
 
 /// What the report tells of one level above 0 against the mean over the surface.
-fn of_level(_level: &LevelReport) -> Option<Spread> {
-    None
-}
-
-/// The 95th percentile of what the solver changed.
-fn change_p95_codes(_solver: &SolverReport) -> Option<f64> {
-    None
+fn of_level(level: &LevelReport) -> Option<Spread> {
+    level.mip_error.map(|error| Spread { rms: error.rms, p99: Some(error.p99), max: None })
 }
 
 /// `None` where no channel has this unit.
@@ -89,14 +84,22 @@ fn root_mean_square(values: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     (weight > 0.0).then(|| (sum / weight).sqrt())
 }
 
+/// The worst level of any channel: what the solver changed, or storing in a range.
 fn change(report: &Report) -> Option<Change> {
-    let solves = || report.channels.iter().flat_map(|channel| &channel.solver);
-    let worst = |figure: fn(&SolverReport) -> f64| solves().map(figure).reduce(f64::max);
-    Some(Change {
-        mean_codes: worst(|solve| solve.change_mean_codes)?,
-        p95_codes: solves().filter_map(change_p95_codes).reduce(f64::max),
-        max_codes: worst(|solve| solve.change_max_codes)?,
-    })
+    let of_channel = |channel: &ChannelReport| {
+        let solved = channel
+            .solver
+            .iter()
+            .map(|solve| (solve.change_mean_codes, solve.change_p95_codes, solve.change_max_codes));
+        let stored = channel
+            .stored
+            .iter()
+            .map(|stored| (stored.change_mean_codes, stored.change_p95_codes, stored.change_max_codes));
+        solved.chain(stored).collect::<Vec<_>>()
+    };
+    let all = report.channels.iter().flat_map(of_channel);
+    let worst = all.reduce(|a, b| (a.0.max(b.0), a.1.max(b.1), a.2.max(b.2)))?;
+    Some(Change { mean_codes: worst.0, p95_codes: Some(worst.1), max_codes: worst.2 })
 }
 
 #[cfg(test)]

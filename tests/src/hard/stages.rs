@@ -91,7 +91,7 @@ impl Stages<'_> {
         let weights = vec![1.0; of_rules.len()];
         let problem =
             Problem { rules: &rules, wanted: &of_rules, weights: &weights, center: 0.5, is_stored: true };
-        let Solution { values: solved, residual, .. } = solve(&problem, true, &|| false);
+        let Solution { values: solved, residual, .. } = solve(&problem, &|| false);
         for (&sample, &value) in rules.variables().iter().zip(&solved) {
             (0..3).for_each(|component| values.set(sample as usize, component, value));
         }
