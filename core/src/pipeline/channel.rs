@@ -2,9 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use glam::{Vec3, Vec4, Vec4Swizzles};
-use rayon::prelude::*;
-
 use crate::asset::Slot;
 use crate::assign::{
     Codec, LevelChannel, LevelValues, NormalFrames, Range, Rounding, Storing, choose_range, paint, read_back,
@@ -21,6 +18,7 @@ use crate::solve::Solver;
 use crate::source::SourceChannel;
 use crate::watch::{Stage, Watch};
 
+use super::bare_normals::{bare_normals, shown};
 use super::changes::Changes;
 use super::represent::represent;
 
@@ -81,6 +79,10 @@ pub fn finish_channel(
     };
     let (canvas, topology) = (numbering.canvas, numbering.topology);
     let mut values = samples.values;
+    let mut bare = input.frames.map(|frames| bare_normals(&numbering, frames));
+    for (value, bare) in values.iter_mut().zip(bare.iter().flatten()) {
+        *value -= *bare;
+    }
     let rungs = Rungs { filter: input.mip, beyond: input.beyond, by_alpha };
     let mut wanted_coverage = 0.0;
     for level in 0..input.layout.level_count() {
@@ -89,8 +91,9 @@ pub fn finish_channel(
             let coarse = LevelNumbering::new(canvas, topology, input.resolutions, level);
             values = coarsen(&numbering, &coarse, &values, rungs, watch)?;
             numbering = coarse;
+            bare = input.frames.map(|frames| bare_normals(&numbering, frames));
         }
-        let mut wanted = if input.channel.is_normal() { normalized(&values) } else { values.clone() };
+        let mut wanted = bare.as_ref().map_or_else(|| values.clone(), |bare| shown(bare, &values));
         if let Some(cutoff) = input.mask_cutoff {
             if level == 0 {
                 wanted_coverage = coverage(&numbering, &wanted, cutoff, watch)?;
@@ -147,8 +150,4 @@ fn codec(channel: &SourceChannel<'_>) -> Codec {
         Pixels::U16(_) => 16,
     };
     Codec { transfer: channel.transfer, components, bits }
-}
-
-fn normalized(values: &[Vec4]) -> Vec<Vec4> {
-    values.par_iter().map(|value| value.xyz().try_normalize().unwrap_or(Vec3::Z).extend(1.0)).collect()
 }

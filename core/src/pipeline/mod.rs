@@ -1,6 +1,7 @@
 //! The table of contents: one asset's journey through the stages.
 
 mod assemble;
+mod bare_normals;
 mod changes;
 mod channel;
 mod material;
