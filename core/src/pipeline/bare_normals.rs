@@ -82,3 +82,6 @@ pub fn shown(bare: &[Vec4], added: &[Vec4]) -> Vec<Vec4> {
     };
     bare.par_iter().zip(added).map(one).collect()
 }
+
+#[cfg(test)]
+mod tests;
