@@ -23,7 +23,7 @@ use glam::{DVec3, DVec4, Vec4};
 use crate::colors::{Cuts, LevelNumbering};
 use crate::layout::Layout;
 
-/// How levels beyond vertex colors are stored where they leave [0, 1].
+/// How levels are stored where many of their texels beyond vertex colors leave [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Range {
     /// As every other level: codes of the source's bits.

@@ -86,7 +86,7 @@ pub const OPTIONS: &[OptionSpec] = &[
     OptionSpec {
         name: "sampling",
         value_name: "RUNG",
-        default: "filtered",
+        default: "point",
         follows_quality: true,
         rungs: &names::<_, 3>(SAMPLINGS),
         allowed: "point, filtered or filtered:K with K in 1..=16 (fetches along a side of a cell; without K, one for each source texel), fitted",
@@ -104,7 +104,7 @@ pub const OPTIONS: &[OptionSpec] = &[
     OptionSpec {
         name: "mip",
         value_name: "RUNG",
-        default: "uniform",
+        default: "area",
         follows_quality: true,
         rungs: &names::<_, 2>(MIP_FILTERS),
         allowed: "uniform, area",
@@ -113,7 +113,7 @@ pub const OPTIONS: &[OptionSpec] = &[
     OptionSpec {
         name: "beyond",
         value_name: "RUNG",
-        default: "one-ring",
+        default: "heat",
         follows_quality: true,
         rungs: &names::<_, 2>(BEYONDS),
         allowed: "one-ring, heat",
@@ -131,11 +131,11 @@ pub const OPTIONS: &[OptionSpec] = &[
     OptionSpec {
         name: "range",
         value_name: "RUNG",
-        default: "unorm8",
+        default: "float16",
         follows_quality: true,
         rungs: &names::<_, 3>(RANGES),
         allowed: "unorm8 (codes as the source has them), scaled16 (16 bits with a scale and a bias), float16",
-        doc: "How levels beyond vertex colors are stored where they leave [0, 1]",
+        doc: "How levels beyond vertex colors are stored where more than 5 % of their texels there leave [0, 1]",
     },
     OptionSpec {
         name: "rounding",
@@ -162,25 +162,19 @@ impl Options {
     pub fn of(quality: Quality) -> Self {
         let standard = Self {
             quality,
-            sampling: Sampling::Filtered(None),
+            sampling: Sampling::Point,
             resolution: Resolution::Area(1.0),
-            mip: MipFilter::Uniform,
-            beyond: Beyond::OneRing,
+            mip: MipFilter::Area,
+            beyond: Beyond::Heat,
             solver: Solver::Global,
-            range: Range::Unorm8,
+            range: Range::Float16,
             rounding: Rounding::Rules,
             cut_codes: 8.0,
         };
         match quality {
-            Quality::Draft => Self { sampling: Sampling::Point, solver: Solver::Clamp, ..standard },
+            Quality::Draft => Self { mip: MipFilter::Uniform, beyond: Beyond::OneRing, ..standard },
             Quality::Standard => standard,
-            Quality::Exact => Self {
-                sampling: Sampling::Fitted,
-                mip: MipFilter::Area,
-                beyond: Beyond::Heat,
-                range: Range::Scaled16,
-                ..standard
-            },
+            Quality::Exact => Self { sampling: Sampling::Fitted, ..standard },
         }
     }
 
@@ -315,6 +309,15 @@ fn refused(name: &str, value: &str) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn told_defaults_are_the_defaults() {
+        for spec in OPTIONS {
+            let mut options = Options::default();
+            options.set(spec.name, spec.default).unwrap();
+            assert_eq!(options, Options::default(), "{}", spec.name);
+        }
+    }
 
     #[test]
     fn rungs_are_values_that_are_told_and_read_back() {
