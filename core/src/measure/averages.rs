@@ -10,8 +10,9 @@
 //! reach joins with it, so nothing comes from the far side of a thin wall.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::graph::Graph;
@@ -193,10 +194,10 @@ impl Gauss {
         let share = 1.0 - (-0.5 * (REACH * REACH - height_squared)).exp();
         let weight = (-0.5 * height_squared).exp() * TAU * share / POINT_COUNT as f64;
         let (right, up) = normal.any_orthonormal_pair();
-        for number in 0..POINT_COUNT {
+        let spiral = &*SPIRAL;
+        for (number, along) in spiral.iter().enumerate() {
             let radius = (-2.0 * (-share * (number as f64 + 0.5) / POINT_COUNT as f64).ln_1p()).sqrt();
-            let (sin, cos) = (number as f64 * GOLDEN_ANGLE).sin_cos();
-            let place = normal * height + (right * cos + up * sin) * radius * self.deviation;
+            let place = normal * height + (right * along.x + up * along.y) * radius * self.deviation;
             let second = (place - a).cross(c - a).dot(cross) / cross.length_squared();
             let third = (b - a).cross(place - a).dot(cross) / cross.length_squared();
             if second >= 0.0 && third >= 0.0 && second + third <= 1.0 {
@@ -209,6 +210,11 @@ impl Gauss {
 
 /// `π (3 - √5)`.
 const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
+/// Where the spiral's points stand around its middle, unit length.
+static SPIRAL: LazyLock<Vec<DVec2>> = LazyLock::new(|| {
+    (0..POINT_COUNT).map(|number| DVec2::from_angle(number as f64 * GOLDEN_ANGLE)).collect()
+});
 
 /// Points that cover a triangle evenly, as its second and third barycentrics: multiples of the inverse
 /// powers of the plastic number (Roberts' R2 sequence), the square folded over its diagonal.

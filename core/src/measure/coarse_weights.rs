@@ -4,8 +4,8 @@
 
 use glam::Vec2;
 
-use super::report::Figures;
-use super::seams::Converted;
+use super::edges::EdgePair;
+use super::surface::Surface;
 
 /// The weights of a bilinear fetch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,20 +30,11 @@ impl Weights {
     }
 }
 
-/// The seams of a level with weights of 8 bits, over those of the `uncut` pairs that have a face beyond
-/// vertex colors on a side; `None` where there are none.
-pub fn figures(converted: &Converted<'_>, level: usize, uncut: &[u32]) -> Option<Figures> {
-    let pairs = &converted.surface.pairs;
-    let is_beyond = |pair: &&u32| {
-        let pair = &pairs[**pair as usize];
-        [&pair.a, &pair.b].into_iter().any(|side| {
-            let part = converted.surface.part(side);
-            segments(&part.placed[side.triangle as usize].scaled) < (level as f32).exp2()
-        })
-    };
-    let which: Vec<u32> = uncut.iter().filter(is_beyond).copied().collect();
-    let survey = || converted.survey_filtered(level, &which, Weights::EightBits).figures;
-    (!which.is_empty()).then(survey)
+/// Whether a pair has a face beyond vertex colors on a side at that level.
+pub fn is_beyond(surface: &Surface<'_>, pair: &EdgePair, level: usize) -> bool {
+    [&pair.a, &pair.b].into_iter().any(|side| {
+        segments(&surface.part(side).placed[side.triangle as usize].scaled) < (level as f32).exp2()
+    })
 }
 
 /// The side of a triangle's block, in texels of level 0.

@@ -14,9 +14,15 @@ use super::texels::{CLAMPED, Texels, stored_components};
 use super::yardstick::{Extent, Yardstick};
 use crate::image::Pixels;
 
-/// Random points of a material's surface, the same for all its channels: the PSNR's own error is then
-/// under 0.05 dB.
-pub const POINT_COUNT: usize = 65_536;
+/// Random points of a material's surface, the same for all its channels: one for each texel of level 0,
+/// within these bounds. With the most, the PSNR's own error is under 0.05 dB.
+const POINTS_LEAST: u64 = 1024;
+const POINTS_MOST: u64 = 65_536;
+
+/// How many points judge a material whose largest texture has this many texels at level 0.
+pub fn point_count(texel_count: u64) -> usize {
+    texel_count.clamp(POINTS_LEAST, POINTS_MOST) as usize
+}
 
 /// Stands for "no difference".
 const PSNR_CEILING_DB: f64 = 99.0;

@@ -15,8 +15,30 @@ pub const INTERIOR: usize = 17;
 /// The interior points and the two ends.
 pub const SAMPLES: usize = INTERIOR + 2;
 
+/// Where an edge is judged that stays inside one cell of texels on both sides. Along a line through one cell
+/// filtering is a quadratic: so is the difference of two, and between these positions hides at most an
+/// eighth of its largest value. They are the ends and the midpoints of three pieces.
+pub const FEW_POSITIONS: [f32; FEW] = [0.0, 3.0 / 17.0, 0.5, 14.0 / 17.0, 1.0];
+
+/// How many of the [`SAMPLES`] each stands for: the pieces are 6, 5 and 6 of the 17. An edge has the same
+/// weight in percentiles wherever it is judged.
+const FEW_COUNTS: [u8; FEW] = [1, 6, 5, 6, 1];
+
+pub const FEW: usize = 5;
+
+/// What the two sides of an edge differ by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Jumps {
+    /// Nowhere by anything.
+    Nothing,
+    /// At [`FEW_POSITIONS`].
+    Few([f32; FEW]),
+    /// At every [`position`].
+    All([f32; SAMPLES]),
+}
+
 /// Chunks an edge list is split into; fewer would leave processors idle, more would cost histograms.
-const CHUNKS: usize = 64;
+const CHUNKS: usize = 32;
 
 /// The share of the samples that lie at or under a percentile, as a fraction of whole numbers.
 const P999: (u64, u64) = (999, 1000);
@@ -37,31 +59,39 @@ pub struct Survey {
     pub edge_means: Vec<f32>,
 }
 
-/// Judges the pairs with the given indices; `None` of `jumps` stands for no jump at any sample.
+/// Judges the pairs with the given indices.
 pub fn survey<F>(pairs: &[EdgePair], which: &[u32], jumps: F) -> Survey
 where
-    F: Fn(&EdgePair) -> Option<[f32; SAMPLES]> + Sync,
+    F: Fn(&EdgePair) -> Jumps + Sync,
+{
+    let [survey] = surveys(pairs, which, |pair| [Some(jumps(pair))]);
+    survey
+}
+
+/// The same for several kinds of jumps at once; a pair counts in a kind where it has any.
+pub fn surveys<const N: usize, F>(pairs: &[EdgePair], which: &[u32], jumps: F) -> [Survey; N]
+where
+    F: Fn(&EdgePair) -> [Option<Jumps>; N] + Sync,
 {
     let chunk = which.len().div_ceil(CHUNKS).max(64);
-    let tallies: Vec<Tally> = which
+    let tallies: Vec<[Tally; N]> = which
         .par_chunks(chunk)
         .map(|which| {
-            let mut tally = Tally::default();
+            let mut tallies = [(); N].map(|()| Tally::default());
             for &pair in which {
                 let pair = &pairs[pair as usize];
-                match jumps(pair) {
-                    Some(jumps) => tally.add(&jumps, pair.length),
-                    None => tally.add_none(pair.length),
+                for (tally, jumps) in tallies.iter_mut().zip(jumps(pair)) {
+                    jumps.iter().for_each(|jumps| tally.add(jumps, pair.length));
                 }
             }
-            tally
+            tallies
         })
         .collect();
-    let mut total = Tally::default();
+    let mut totals = [(); N].map(|()| Tally::default());
     for tally in tallies {
-        total.join(tally);
+        totals.iter_mut().zip(tally).for_each(|(total, tally)| total.join(tally));
     }
-    Survey { figures: total.figures(), edge_means: total.edge_means }
+    totals.map(|total| Survey { figures: total.figures(), edge_means: total.edge_means })
 }
 
 /// The mean of edge means, weighted by length; `None` without edges.
@@ -84,19 +114,28 @@ struct Tally {
 }
 
 impl Tally {
-    fn add(&mut self, jumps: &[f32; SAMPLES], length: f32) {
-        jumps.iter().for_each(|&jump| self.jumps.add(jump));
-        let mean = jumps[1..=INTERIOR].iter().sum::<f32>() / INTERIOR as f32;
+    fn add(&mut self, jumps: &Jumps, length: f32) {
+        let mean = match jumps {
+            Jumps::Nothing => {
+                self.jumps.add_times(0.0, SAMPLES as u64);
+                0.0
+            }
+            Jumps::Few(jumps) => {
+                let mut sum = 0.0;
+                for (number, (&jump, count)) in jumps.iter().zip(FEW_COUNTS).enumerate() {
+                    self.jumps.add_times(jump, u64::from(count));
+                    sum += if (1..FEW - 1).contains(&number) { jump * f32::from(count) } else { 0.0 };
+                }
+                sum / INTERIOR as f32
+            }
+            Jumps::All(jumps) => {
+                jumps.iter().for_each(|&jump| self.jumps.add_times(jump, 1));
+                jumps[1..=INTERIOR].iter().sum::<f32>() / INTERIOR as f32
+            }
+        };
         self.weighted_sum += f64::from(length) * f64::from(mean);
         self.weight += f64::from(length);
         self.edge_means.push(mean);
-    }
-
-    /// The same as adding an edge whose jumps are all 0.
-    fn add_none(&mut self, length: f32) {
-        self.jumps.add_zeros(SAMPLES as u64);
-        self.weight += f64::from(length);
-        self.edge_means.push(0.0);
     }
 
     fn join(&mut self, other: Self) {
@@ -140,7 +179,7 @@ mod tests {
                 if edge < outliers {
                     jumps[4] = 40.0;
                 }
-                Some(jumps)
+                Jumps::All(jumps)
             })
             .figures
         };
@@ -152,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_percentile_of_exactly_one_code_stays_one_code() {
-        let figures = survey(&[edge(1.0)], &[0], |_| Some([1.000_000_1; SAMPLES])).figures;
+        let figures = survey(&[edge(1.0)], &[0], |_| Jumps::All([1.000_000_1; SAMPLES])).figures;
         assert_eq!(figures.p999, 1.0);
     }
 
@@ -163,7 +202,7 @@ mod tests {
             let mut jumps = [if pair.length > 2.0 { 1.0 } else { 5.0 }; SAMPLES];
             jumps[0] = 100.0;
             jumps[SAMPLES - 1] = 100.0;
-            Some(jumps)
+            Jumps::All(jumps)
         });
         assert_eq!((result.figures.mean, result.figures.max), (2.0, 100.0));
         assert_eq!(result.edge_means, vec![1.0, 5.0]);
@@ -174,17 +213,50 @@ mod tests {
     #[test]
     fn no_jump_is_a_jump_of_nothing() {
         let pairs = [edge(3.0), edge(1.0)];
-        let with = |nothing: Option<[f32; SAMPLES]>| {
-            survey(&pairs, &[0, 1], |pair| if pair.length > 2.0 { nothing } else { Some([2.0; SAMPLES]) })
+        let with = |nothing: Jumps, two: Jumps| {
+            survey(&pairs, &[0, 1], |pair| if pair.length > 2.0 { nothing } else { two })
         };
-        let (short, long) = (with(None), with(Some([0.0; SAMPLES])));
-        assert_eq!((short.figures, short.edge_means), (long.figures, long.edge_means));
+        let short = with(Jumps::Nothing, Jumps::All([2.0; SAMPLES]));
+        for zeros in [Jumps::All([0.0; SAMPLES]), Jumps::Few([0.0; FEW])] {
+            let long = with(zeros, Jumps::Few([2.0; FEW]));
+            assert_eq!((short.figures, &short.edge_means), (long.figures, &long.edge_means));
+        }
         assert_eq!((short.figures.mean, short.figures.sample_count), (0.5, 38));
     }
 
     #[test]
+    fn few_positions_count_as_many_and_are_midpoints() {
+        let pairs = [edge(1.0)];
+        let few = survey(&pairs, &[0], |_| Jumps::Few(FEW_POSITIONS));
+        let all = survey(&pairs, &[0], |_| Jumps::All(std::array::from_fn(position)));
+        assert_eq!(few.figures.sample_count, all.figures.sample_count);
+        assert!((few.figures.mean - 0.5).abs() < 1e-6 && (all.figures.mean - 0.5).abs() < 1e-6);
+        let mut from = 0.0;
+        for (at, count) in FEW_POSITIONS.into_iter().zip(FEW_COUNTS).skip(1).take(FEW - 2) {
+            let to = from + f32::from(count) / INTERIOR as f32;
+            assert!((at - 0.5 * (from + to)).abs() < 1e-6);
+            from = to;
+        }
+        assert!((from - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_quadratic_hides_little_between_few_positions() {
+        // All quadratics up to scale, by their values at the ends and in the middle.
+        for (a, b) in (-20..=20).flat_map(|a| (-20..=20).map(move |b| (a as f32 / 20.0, b as f32 / 20.0))) {
+            for middle in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+                let (slope, bend) = (4.0 * middle - 3.0 * a - b, 2.0 * a + 2.0 * b - 4.0 * middle);
+                let at = |t: f32| (a + slope * t + bend * t * t).abs();
+                let seen = FEW_POSITIONS.map(at).into_iter().fold(0.0, f32::max);
+                let most = (0..=1000).map(|i| at(i as f32 / 1000.0)).fold(0.0, f32::max);
+                assert!(seen >= 0.875 * most, "{a} {middle} {b}: {seen} of {most}");
+            }
+        }
+    }
+
+    #[test]
     fn no_edges_no_figures() {
-        assert_eq!(survey(&[], &[], |_| None).figures, Figures::default());
+        assert_eq!(survey(&[], &[], |_| Jumps::Nothing).figures, Figures::default());
     }
 
     #[test]

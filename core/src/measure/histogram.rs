@@ -13,20 +13,18 @@ pub struct Histogram {
 impl Histogram {
     #[inline]
     pub fn add(&mut self, value: f32) {
+        self.add_times(value, 1);
+    }
+
+    /// Adds the value so many times.
+    #[inline]
+    pub fn add_times(&mut self, value: f32, count: u64) {
         let bin = (value * BINS_PER_UNIT + 0.5) as usize;
         if bin >= self.bins.len() {
             self.bins.resize(bin + 1, 0);
         }
-        self.bins[bin] += 1;
+        self.bins[bin] += count;
         self.max = self.max.max(value);
-    }
-
-    /// Adds the value 0 so many times.
-    pub fn add_zeros(&mut self, count: u64) {
-        if self.bins.is_empty() {
-            self.bins.push(0);
-        }
-        self.bins[0] += count;
     }
 
     pub fn join(&mut self, other: &Self) {

@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::coarse_weights::Weights;
-use super::figures::{self, SAMPLES};
+use super::figures::{self, FEW_POSITIONS, Jumps, SAMPLES};
 use super::report::Unit;
 use super::texels::{Texels, cell_of, encode_codes, mixed, stored_components};
 use crate::finished::Frame;
@@ -89,6 +89,14 @@ impl Track {
         here * self.scale + self.shift
     }
 
+    /// The one cell that the side stays in, borders included.
+    fn cell(&self) -> Option<[i32; 2]> {
+        let (from, to) = (self.at(0.0), self.at(1.0));
+        let (cell, _) = cell_of(from.min(to));
+        let part = from.max(to) - middle_of(cell);
+        (part.max_element() <= 1.0).then_some(cell)
+    }
+
     /// The texels that the side reads, as the first one, the step and their count: where both ends are
     /// texel centers of one row or column.
     fn run(&self) -> Option<([i32; 2], [i32; 2], i32)> {
@@ -103,51 +111,75 @@ impl Track {
     }
 }
 
+/// The center of a cell's first texel.
+fn middle_of([x, y]: [i32; 2]) -> Vec2 {
+    Vec2::new(x as f32, y as f32) + 0.5
+}
+
 /// One level image of a channel.
 pub struct Judge<'a> {
     pub texels: Texels<'a>,
     pub meaning: Meaning,
     /// How many components the image stores.
     pub components: u8,
-    pub weights: Weights,
 }
 
 impl Judge<'_> {
-    /// The difference of two sides at each sample of an edge, largest over the components.
-    /// `None` stands for no difference at any of them.
-    pub fn jumps(&self, a: &Track, b: &Track) -> Option<[f32; SAMPLES]> {
+    /// The difference of two sides along an edge, largest over the components: with exact weights, and with
+    /// those of 8 bits where `has_coarse`.
+    pub fn jumps(&self, a: &Track, b: &Track, has_coarse: bool) -> [Option<Jumps>; 2] {
         if a == b || self.is_one_row(a, b) {
-            return None;
+            return [Some(Jumps::Nothing), has_coarse.then_some(Jumps::Nothing)];
         }
-        let (left, right) = (self.along(a), self.along(b));
-        let mut jumps = [0.0; SAMPLES];
-        if let (Meaning::Normal { scale }, Some(of_a), Some(of_b)) = (self.meaning, &a.frames, &b.frames) {
-            for (sample, jump) in jumps.iter_mut().enumerate() {
-                let t = figures::position(sample);
-                let frames = (mixed_frame(&of_a[0], &of_a[1], t), mixed_frame(&of_b[0], &of_b[1], t));
-                let (left, right) = (left[sample].to_array(), right[sample].to_array());
-                if left != right || frames.0 != frames.1 {
-                    let normals =
-                        (object_normal(left, scale, &frames.0), object_normal(right, scale, &frames.1));
-                    *jump = degrees_between(normals.0, normals.1);
-                }
-            }
-        } else {
-            for ((left, right), jump) in left.iter().zip(&right).zip(&mut jumps) {
-                *jump = self.difference_codes(left.to_array(), right.to_array());
-            }
+        let kinds = [(Weights::Exact, true), (Weights::EightBits, has_coarse)];
+        if let (Some(cell_a), Some(cell_b)) = (a.cell(), b.cell()) {
+            // Weights of 8 bits reach no further than the cell's border: the same four texels.
+            let (corners_a, corners_b) = (self.texels.corners(cell_a), self.texels.corners(cell_b));
+            let (first_a, first_b) = (middle_of(cell_a), middle_of(cell_b));
+            return kinds.map(|(weights, is_wanted)| {
+                is_wanted.then(|| {
+                    Jumps::Few(FEW_POSITIONS.map(|t| {
+                        let left = mixed(&corners_a, weights.place(a.at(t)) - first_a);
+                        let right = mixed(&corners_b, weights.place(b.at(t)) - first_b);
+                        self.jump((a, left), (b, right), t)
+                    }))
+                })
+            });
         }
-        Some(jumps)
+        kinds.map(|(weights, is_wanted)| {
+            is_wanted.then(|| {
+                let (left, right) = (self.along(a, weights), self.along(b, weights));
+                Jumps::All(std::array::from_fn(|sample| {
+                    self.jump((a, left[sample]), (b, right[sample]), figures::position(sample))
+                }))
+            })
+        })
+    }
+
+    /// The difference of two filtered values at one place of an edge.
+    #[inline]
+    fn jump(&self, (a, left): (&Track, Vec4), (b, right): (&Track, Vec4), t: f32) -> f32 {
+        let (Meaning::Normal { scale }, Some(of_a), Some(of_b)) = (self.meaning, &a.frames, &b.frames) else {
+            return self.difference_codes(left.to_array(), right.to_array());
+        };
+        let (frame_a, frame_b) = (mixed_frame(&of_a[0], &of_a[1], t), mixed_frame(&of_b[0], &of_b[1], t));
+        if left == right && frame_a == frame_b {
+            return 0.0;
+        }
+        degrees_between(
+            object_normal(left.to_array(), scale, &frame_a),
+            object_normal(right.to_array(), scale, &frame_b),
+        )
     }
 
     /// The filtered values at the samples of one side; the texels of a cell are decoded once.
-    fn along(&self, track: &Track) -> [Vec4; SAMPLES] {
+    fn along(&self, track: &Track, weights: Weights) -> [Vec4; SAMPLES] {
         let mut values = [Vec4::ZERO; SAMPLES];
-        let (mut known, part) = cell_of(self.weights.place(track.at(0.0)));
+        let (mut known, part) = cell_of(weights.place(track.at(0.0)));
         let mut corners = self.texels.corners(known);
         values[0] = mixed(&corners, part);
         for (sample, value) in values.iter_mut().enumerate().skip(1) {
-            let (cell, part) = cell_of(self.weights.place(track.at(figures::position(sample))));
+            let (cell, part) = cell_of(weights.place(track.at(figures::position(sample))));
             if cell != known {
                 known = cell;
                 corners = self.texels.corners(cell);
@@ -181,8 +213,9 @@ impl Judge<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::texels::CLAMPED;
     use super::*;
-    use glam::Vec4;
+    use crate::image::{Image, Pixels};
 
     const UPRIGHT: Frame = Frame { normal: Vec3::Z, tangent: Vec4::new(1.0, 0.0, 0.0, 1.0) };
 
@@ -201,6 +234,32 @@ mod tests {
         assert_eq!(object_normal([0.5, 0.5, 0.5, 1.0], 1.0, &UPRIGHT), Vec3::Z);
         let lost = Frame { normal: Vec3::ZERO, tangent: Vec4::ZERO };
         assert!(object_normal([0.2, 0.7, 0.9, 1.0], 1.0, &lost).is_normalized());
+    }
+
+    #[test]
+    fn an_edge_within_one_cell_is_judged_at_few_places() {
+        let codes = (0..48u32).map(|i| (i * 97 % 251) as u8).collect();
+        let image = Image { width: 4, height: 4, components: 3, pixels: Pixels::U8(codes) };
+        let texels = Texels::new(&image, Transfer::Srgb, CLAMPED);
+        let judge = Judge { texels, meaning: Meaning::Color, components: 3 };
+        let track = |from, to| Track { from, to, scale: Vec2::ONE, shift: Vec2::ZERO, frames: None };
+        // The second ends on texel centers, and at the cell's far border.
+        let a = track(Vec2::new(1.6, 1.9), Vec2::new(2.4, 1.7));
+        let b = track(Vec2::new(1.5, 0.5), Vec2::new(2.5, 1.5));
+        let codes = |track: &Track, weights: Weights, t| {
+            Meaning::Color.codes(texels.bilinear(weights.place(track.at(t))))
+        };
+        let kinds = judge.jumps(&a, &b, true);
+        for (jumps, weights) in kinds.into_iter().zip([Weights::Exact, Weights::EightBits]) {
+            let Some(Jumps::Few(jumps)) = jumps else { panic!("one cell: {jumps:?}") };
+            for (jump, t) in jumps.into_iter().zip(FEW_POSITIONS) {
+                let (left, right) = (codes(&a, weights, t), codes(&b, weights, t));
+                let wanted = (0..3).map(|i| (left[i] - right[i]).abs()).fold(0.0, f32::max);
+                assert!((jump - wanted).abs() < 1e-2 && wanted > 0.5, "{t}: {jump}, not {wanted}");
+            }
+        }
+        let wide = track(Vec2::new(1.4, 1.9), Vec2::new(2.4, 1.7));
+        assert!(matches!(judge.jumps(&wide, &b, false), [Some(Jumps::All(_)), None]));
     }
 
     #[test]

@@ -5,9 +5,8 @@ use std::borrow::Cow;
 
 use glam::{Vec2, Vec3};
 
-use super::coarse_weights::Weights;
 use super::edges::{EdgePair, Side};
-use super::figures::{Survey, survey, weighted_mean};
+use super::figures::{Jumps, Survey, survey, weighted_mean};
 use super::judge::{Judge, Meaning, Track};
 use super::mips;
 use super::report::{SourceLevel, Unit};
@@ -173,17 +172,16 @@ impl SourceSeams {
         while levels.len() < level_limit {
             watch::check(watch)?;
             let judge = Judge {
-                weights: Weights::Exact,
                 texels: origin.texels(&image),
                 meaning: origin.meaning,
                 components: origin.components,
             };
             let size_texels = judge.texels.size_texels();
             let survey = survey(&surface.pairs, &seam, |pair| {
-                judge.jumps(
-                    &origin.track(surface, &pair.a, pair.a.ends(), size_texels),
-                    &origin.track(surface, &pair.b, pair.ends_of_b(), size_texels),
-                )
+                let a = origin.track(surface, &pair.a, pair.a.ends(), size_texels);
+                let b = origin.track(surface, &pair.b, pair.ends_of_b(), size_texels);
+                let [jumps, _] = judge.jumps(&a, &b, false);
+                jumps.unwrap_or(Jumps::Nothing)
             });
             levels.push(SeamLevel { size: image.size(), survey });
             match mips::halved(&image, origin.meaning.transfer()) {

@@ -140,6 +140,7 @@ pub struct Figures {
     pub p999: f64,
     /// Weighted by edge length.
     pub mean: f64,
+    /// 19 for each edge; where an edge stays inside one cell of texels, five positions count for them.
     pub sample_count: u64,
 }
 

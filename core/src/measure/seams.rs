@@ -2,11 +2,11 @@
 
 use glam::Vec2;
 
-use super::coarse_weights::Weights;
+use super::coarse_weights;
 use super::edges::{EdgePair, Side};
-use super::figures::{Survey, survey};
+use super::figures::{Jumps, Survey, survey, surveys};
 use super::judge::{Judge, Meaning, Track};
-use super::report::CutShare;
+use super::report::{CutShare, Figures};
 use super::surface::Surface;
 use super::texels::{CLAMPED, Texels};
 use crate::error::{Error, Result};
@@ -35,27 +35,40 @@ impl Converted<'_> {
 
     /// The jumps on the pairs with the given indices.
     pub fn survey(&self, level: usize, which: &[u32]) -> Survey {
-        self.survey_filtered(level, which, Weights::Exact)
+        let judge = self.judge(level);
+        survey(&self.surface.pairs, which, |pair| {
+            let [a, b] = self.tracks(pair, level);
+            let [exact, _] = judge.jumps(&a, &b, false);
+            exact.unwrap_or(Jumps::Nothing)
+        })
     }
 
-    /// The same with the weights of a sampler.
-    pub fn survey_filtered(&self, level: usize, which: &[u32], weights: Weights) -> Survey {
+    /// The same as figures, and those of weights of 8 bits over the pairs that have a face beyond vertex
+    /// colors on a side. `None` where there are no such pairs.
+    pub fn figures(&self, level: usize, which: &[u32]) -> [Option<Figures>; 2] {
+        let judge = self.judge(level);
+        let surveys = surveys(&self.surface.pairs, which, |pair| {
+            let [a, b] = self.tracks(pair, level);
+            judge.jumps(&a, &b, coarse_weights::is_beyond(self.surface, pair, level))
+        });
+        surveys.map(|survey| (survey.figures.sample_count > 0).then_some(survey.figures))
+    }
+
+    fn judge(&self, level: usize) -> Judge<'_> {
         let image = &self.texture.levels[level];
-        let judge = Judge {
+        Judge {
             texels: Texels::new(image, self.meaning.transfer(), CLAMPED)
                 .in_range(self.texture.ranges.get(&level)),
             meaning: self.meaning,
             components: image.components,
-            weights,
-        };
+        }
+    }
+
+    /// Both sides of a pair, in the direction of the first.
+    fn tracks(&self, pair: &EdgePair, level: usize) -> [Track; 2] {
         // MCT equation 2; dividing by a power of two is exact.
         let scale = Vec2::splat((-(level as f32)).exp2());
-        survey(&self.surface.pairs, which, |pair| {
-            judge.jumps(
-                &self.track(&pair.a, pair.a.ends(), scale),
-                &self.track(&pair.b, pair.ends_of_b(), scale),
-            )
-        })
+        [self.track(&pair.a, pair.a.ends(), scale), self.track(&pair.b, pair.ends_of_b(), scale)]
     }
 
     fn track(&self, side: &Side, ends: [usize; 2], scale: Vec2) -> Track {

@@ -12,7 +12,7 @@ use super::report::{
 use super::seams::{self, Converted};
 use super::surface::Surface;
 use super::yardstick::Extent;
-use super::{coarse_weights, layout, mips, points, surface};
+use super::{layout, mips, points, surface};
 use crate::asset::{Asset, Slot};
 use crate::error::{Error, Result};
 use crate::finished::{Finished, FinishedTexture};
@@ -26,6 +26,9 @@ const FOCUS_LEVELS: usize = 8;
 const PROBES_MOST: usize = 256;
 const PROBES_LEAST: usize = 32;
 const PROBES_OF_ALL: usize = 2048;
+
+/// Fidelity's points for each probe at least, but for the least number of probes.
+const POINTS_PER_PROBE: usize = 64;
 
 /// What only the conversion knows, copied into the reports as it stands.
 #[derive(Clone, Debug, Default)]
@@ -105,7 +108,10 @@ impl Subject<'_> {
             let (mut points, mut averages) = (Vec::new(), None);
             if self.has_source {
                 self.watch.step(Some("mip_error"));
-                points = points::scatter(&surface, fidelity::POINT_COUNT);
+                let finest = of_material().filter_map(|(_, texture)| texture.levels.first());
+                let texel_count = finest.map(|image| image.texel_count() as u64).max().unwrap_or(0);
+                points = points::scatter(&surface, fidelity::point_count(texel_count));
+                let probe_count = probe_count.min(points.len() / POINTS_PER_PROBE).max(PROBES_LEAST);
                 let level_count = of_material().map(|(_, texture)| texture.levels.len()).max().unwrap_or(0);
                 averages = Some(Averages::new(&surface, &points, probe_count, level_count));
             }
@@ -180,13 +186,13 @@ impl Subject<'_> {
         let mut levels = Vec::with_capacity(converted.texture.levels.len());
         for (number, image) in converted.texture.levels.iter().enumerate() {
             watch::check(self.watch)?;
-            let seams = (!uncut.is_empty()).then(|| converted.survey(number, &uncut).figures);
+            let [seams, seams_8bit_weights] = converted.figures(number, &uncut);
             let means = converted.survey(number, &agreed).edge_means;
             levels.push(LevelReport {
                 level: number as u32,
                 size: image.size(),
                 seams,
-                seams_8bit_weights: coarse_weights::figures(converted, number, &uncut),
+                seams_8bit_weights,
                 range: converted.texture.ranges.get(&number).map(|range| range.name().to_owned()),
                 drift: weighted_mean(&surface.pairs, &agreed, means.into_iter()),
                 source: source.and_then(|source| source.report(surface, number)),

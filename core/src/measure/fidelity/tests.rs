@@ -48,3 +48,8 @@ fn the_yardstick_rises_with_its_texels_and_falls_with_detail() {
     // The charts cover 18 % of the image: as many texels for all of it are fewer for them.
     assert!(with(2.0, Extent::Faces) > with(2.0, Extent::Image) + 6.0);
 }
+
+#[test]
+fn points_follow_the_texels_within_bounds() {
+    assert_eq!([0, 2048, 1 << 24].map(point_count), [1024, 2048, 65_536]);
+}
