@@ -72,7 +72,8 @@ pub fn fit(
         Pixels::U16(_) => 1e-6,
     };
     let (step_count, residual) = solver.descend(tolerance, watch)?;
-    let clamped_count = if source.channel.is_normal() { 0 } else { solver.bring_into_range(tolerance, watch)? };
+    let clamped_count =
+        if source.channel.is_normal() { 0 } else { solver.bring_into_range(tolerance, watch)? };
     Ok((solver.values, Fit { step_count, residual, tolerance, clamped_count }))
 }
 
