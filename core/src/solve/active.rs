@@ -32,13 +32,19 @@ pub fn solve_active(island: &Island, wanted: &[f64], weights: &[f64]) -> Option<
         factor: Vec::new(),
         scattered: vec![0.0; wanted.len()],
     };
-    let violated_count = (0..island.row_count()).filter(|&row| set.lack(row).is_some()).count();
-    if violated_count > 2 * ACTIVE_MAX {
-        return None;
-    }
     let mut step_count = 0;
-    while let Some(bound) = set.most_violated() {
-        step_count += set.take_in(bound, STEPS_MAX.checked_sub(step_count)?)?;
+    loop {
+        // Any violated row may come in next, so all are looked through only when those of before are done.
+        let violated: Vec<usize> = (0..island.row_count()).filter(|&row| set.lack(row).is_some()).collect();
+        if violated.is_empty() {
+            break;
+        }
+        if violated.len() > 2 * ACTIVE_MAX {
+            return None;
+        }
+        while let Some(bound) = set.most_violated(&violated) {
+            step_count += set.take_in(bound, STEPS_MAX.checked_sub(step_count)?)?;
+        }
     }
     set.finish(&wanted, step_count)
 }
@@ -80,9 +86,9 @@ impl ActiveSet<'_> {
         }
     }
 
-    fn most_violated(&self) -> Option<Bound> {
+    fn most_violated(&self, rows: &[usize]) -> Option<Bound> {
         let mut most = (0.0, None);
-        for row in 0..self.island.row_count() {
+        for &row in rows {
             if let Some((sign, lack)) = self.lack(row)
                 && lack > most.0
             {
