@@ -137,8 +137,8 @@ fn the_page_shows_what_is_recorded() {
 }
 
 /// Faces of exponent 0 up to level 20, where corners stand a millionth of a texel apart and rules weigh them by up to
-/// `4^20`. What must not grow: jumps, and how far the shown vertices are from the solved ones. The residual has the
-/// cancellation of such weights in 64 bits as its floor, and so has the optimum: to a tenth it stays where it was.
+/// `4^20`. What must not grow: jumps, how far the shown vertices are from the solved ones, what the solver leaves out
+/// of range, and what continuity costs.
 #[test]
 fn twenty_levels_beyond_vertex_colors_stay_stable() {
     for (seed, transfer) in
@@ -148,13 +148,11 @@ fn twenty_levels_beyond_vertex_colors_stay_stable() {
         let levels = far_levels(&patch, 20, transfer, seed);
         let settled = levels[12].change_mean;
         for found in &levels {
-            let cancellation = 4f64.powi(found.level as i32) * f64::EPSILON;
-            assert!(found.residual <= RESIDUAL + cancellation, "{found:?}");
+            assert!(found.residual <= RESIDUAL, "{found:?}");
             assert!(found.jump_codes <= SEAM_CODES && found.apart_codes <= 0.51, "{found:?}");
             // Continuity costs more from level to level and converges: one color for all that hangs together.
-            let slack = if found.level <= 13 { 1.002 } else { 1.1 };
             assert!(
-                found.change_mean <= slack * settled && found.change_max < 1.0,
+                found.change_mean <= 1.002 * settled && found.change_max < 1.0,
                 "{found:?}, settled at {settled}"
             );
         }

@@ -7,11 +7,9 @@
 
 use std::sync::OnceLock;
 
-use glam::Mat3;
-use rayon::prelude::*;
-
 use crate::colors::Tap;
 use crate::layout::{Block, BlockKind};
+use glam::Mat3;
 
 use super::paint::{BeyondCell, corner_weights};
 use super::{LevelChannel, corner_point, from_right_angle};
@@ -27,6 +25,8 @@ pub struct Rules {
     group_ends: Vec<u32>,
     /// By group.
     faces: Vec<[Option<u32>; 2]>,
+    /// Whether the weights of every row sum to 1 and no row has a constant: all but normals.
+    is_affine: bool,
     links: OnceLock<Links>,
 }
 
@@ -85,7 +85,9 @@ impl Rules {
     /// Rules given row by row, each a group of its own, for tests of what deals with rules.
     #[cfg(test)]
     pub fn from_rows(rows: &[(&[(u32, f64)], f32)]) -> Self {
-        let mut rules = Self::default();
+        let is_one = |terms: &[(u32, f64)]| (terms.iter().map(|t| t.1).sum::<f64>() - 1.0).abs() < 1e-9;
+        let is_affine = rows.iter().all(|(terms, constant)| *constant == 0.0 && is_one(terms));
+        let mut rules = Self { is_affine, ..Self::default() };
         for (terms, constant) in rows {
             rules.push(terms, *constant);
             rules.end_group([None; 2]);
@@ -109,10 +111,10 @@ impl Rules {
         first as usize..self.group_ends[group] as usize
     }
 
-    /// Rules of a block beyond vertex colors, four rows to a group, for the same.
+    /// Rules of blocks beyond vertex colors, four rows to a group, whose weights sum to 1; for the same.
     #[cfg(test)]
     pub fn from_cells(rows: &[(Vec<(u32, f64)>, f32)]) -> Self {
-        let mut rules = Self::default();
+        let mut rules = Self { is_affine: true, ..Self::default() };
         for (face, rows) in rows.chunks(4).enumerate() {
             rows.iter().for_each(|(terms, constant)| rules.push(terms, *constant));
             rules.end_group([Some(face as u32), None]);
@@ -131,11 +133,26 @@ impl Rules {
         self.links.get_or_init(|| Links::new(self))
     }
 
-    /// What the texel component of a row is, by values of the variables.
+    /// Whether every row is a mean of samples, its weights summing to 1.
+    pub fn is_affine(&self) -> bool {
+        self.is_affine
+    }
+
+    /// What the texel component of a row is, by values of the variables; where weights sum to 1, by
+    /// differences to the first, so that large weights of opposite signs multiply what is small.
     pub fn value(&self, row: usize, values: &[f64]) -> f64 {
-        let terms = self.terms(row).iter();
-        let sum: f64 = terms.map(|&(variable, weight)| values[variable as usize] * weight).sum();
-        sum + f64::from(self.constants[row])
+        let terms = self.terms(row);
+        match terms.split_first() {
+            Some((first, rest)) if self.is_affine => {
+                let base = values[first.0 as usize];
+                let change = |&(v, weight): &(u32, f64)| (values[v as usize] - base) * weight;
+                base + rest.iter().map(change).sum::<f64>()
+            }
+            _ => {
+                let sum: f64 = terms.iter().map(|&(v, weight)| values[v as usize] * weight).sum();
+                sum + f64::from(self.constants[row])
+            }
+        }
     }
 
     fn end_group(&mut self, faces: [Option<u32>; 2]) {
@@ -154,14 +171,16 @@ impl Rules {
 
     /// From here on terms name variables by their place among those that occur.
     fn number_variables(&mut self) {
-        let mut variables: Vec<u32> = self.terms.iter().map(|term| term.0).collect();
-        variables.par_sort_unstable();
-        variables.dedup();
-        self.terms.par_iter_mut().for_each(|term| {
-            // Every variable was just collected from the terms.
-            term.0 = variables.partition_point(|&known| known < term.0) as u32;
-        });
-        self.variables = variables;
+        let count = self.terms.iter().map(|term| term.0 as usize + 1).max().unwrap_or(0);
+        let mut numbers = vec![0; count];
+        self.terms.iter().for_each(|term| numbers[term.0 as usize] = 1);
+        for (variable, number) in numbers.iter_mut().enumerate() {
+            if *number == 1 {
+                *number = self.variables.len() as u32;
+                self.variables.push(variable as u32);
+            }
+        }
+        self.terms.iter_mut().for_each(|term| term.0 = numbers[term.0 as usize]);
     }
 
     fn push(&mut self, terms: &[(u32, f64)], constant: f32) {
@@ -182,7 +201,8 @@ impl Rules {
 
 /// The rows of one level.
 pub fn rules(channel: &LevelChannel<'_>) -> Rules {
-    let mut builder = Builder { channel, rules: Rules::default() };
+    let rules = Rules { is_affine: channel.frames.is_none(), ..Rules::default() };
+    let mut builder = Builder { channel, rules };
     for block in &channel.layout.blocks {
         let (first, second) = block.kind.faces();
         let is_beyond = block.segments >> channel.numbering.level == 0;

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::assign::Links;
 use crate::math::partition::Partition;
 
+use super::active::solve_active;
 use super::interior::{Outcome, solve_island};
 use super::island::Island;
 use super::problem::{Problem, Solution, TOLERANCE};
@@ -172,7 +173,10 @@ impl<'a> State<'a> {
         let Problem { wanted, weights, center, .. } = *self.problem;
         let outcomes: Vec<Outcome> = islands
             .par_iter()
-            .map(|island| solve_island(island, wanted, weights, center, canceled))
+            .map(|island| {
+                solve_active(island, wanted, weights)
+                    .unwrap_or_else(|| solve_island(island, wanted, weights, center, canceled))
+            })
             .collect();
         for (island, outcome) in islands.iter().zip(outcomes) {
             for (&variable, value) in island.variables().iter().zip(outcome.values) {
@@ -200,7 +204,7 @@ impl<'a> State<'a> {
         for (place, &variable) in variables.iter().enumerate() {
             self.places[variable as usize] = place as u32;
         }
-        let mut island = Island::new(variables);
+        let mut island = Island::new(variables, rules.is_affine());
         for &(_, row) in keyed {
             let place = |(variable, weight): (u32, f64)| (self.places[variable as usize], weight);
             match bounded(row) {

@@ -9,16 +9,16 @@ use super::island::Island;
 use super::matrix::Matrix;
 
 /// Mean of slack times multiplier at which a solution may be good: slack of active rules in the order of
-/// 1e-8.
-const COMPLEMENTARITY: f64 = 1e-9;
+/// 1e-7.
+const COMPLEMENTARITY: f64 = 1e-8;
 /// Share of the objective that it may still fall by; below [`TIGHT`] nobody asks.
-const GAP: f64 = 1e-4;
+const GAP: f64 = 2e-4;
 /// Mean of slack times multiplier at which a solution of any size is good.
 const TIGHT: f64 = 1e-13;
 /// Below this steps only lose digits.
 const EXHAUSTED: f64 = 1e-14;
-/// Largest entry of the gradient at which a solution is good: a change in the order of 1e-8.
-const STATIONARITY: f64 = 1e-8;
+/// Largest entry of the gradient at which a solution is good: a change in the order of 1e-7.
+const STATIONARITY: f64 = 1e-7;
 const STEPS_MAX: u64 = 60;
 /// Share of the way to the nearest bound that a step takes.
 const CAUTION: f64 = 0.99;
@@ -68,6 +68,7 @@ pub fn solve_island(
     }
     if !iterate.is_sound() {
         iterate.approach_wanted();
+        iterate.try_one_value();
     }
     let (dual_residual, complementarity) = (iterate.dual_residual(), iterate.complementarity());
     Outcome { values: iterate.values, step_count, dual_residual, complementarity }
@@ -176,6 +177,30 @@ impl<'a> Iterate<'a> {
         self.advance(&direction, length);
     }
 
+    fn objective(&self) -> f64 {
+        let terms = self.values.iter().zip(&self.wanted).zip(&self.weights);
+        terms.map(|((y, c), a)| a * (y - c) * (y - c)).sum()
+    }
+
+    /// Far beyond vertex colors the corners of a face have to be all but equal, and the optimum is all but
+    /// the mean of what hangs together. Taken, and left towards the wanted values, where it is nearer.
+    fn try_one_value(&mut self) {
+        if !self.island.is_affine() {
+            return;
+        }
+        let terms = self.wanted.iter().zip(&self.weights);
+        let (sum, weight) = terms.fold((0.0, 0.0), |(sum, of), (c, a)| (sum + c * a, of + a));
+        let before = (self.objective(), self.values.clone(), self.multipliers.clone());
+        self.restore(vec![sum / weight; self.values.len()], before.2.clone());
+        let is_inside = self.slack.iter().flatten().all(|slack| *slack > 0.0);
+        if is_inside {
+            self.approach_wanted();
+        }
+        if !is_inside || self.objective() > before.0 {
+            self.restore(before.1, before.2);
+        }
+    }
+
     fn dual_residual(&self) -> f64 {
         self.gradient.iter().fold(0.0, |max: f64, entry| max.max(entry.abs()))
     }
@@ -197,8 +222,7 @@ impl<'a> Iterate<'a> {
         let mean = self.complementarity();
         // The duality gap of half the objective is the sum of all products.
         let gap = 4.0 * mean * self.island.row_count() as f64;
-        let terms = self.values.iter().zip(&self.wanted).zip(&self.weights);
-        mean <= TIGHT || gap <= GAP * terms.map(|((y, c), a)| a * (y - c) * (y - c)).sum::<f64>()
+        mean <= TIGHT || gap <= GAP * self.objective()
     }
 
     /// One predictor and corrector; false where there is no way on.

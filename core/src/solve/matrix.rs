@@ -49,14 +49,18 @@ impl Matrix {
     }
 }
 
+/// Whether two rows are about the same variables.
+fn is_alike(a: &[(u32, f64)], b: &[(u32, f64)]) -> bool {
+    a.iter().map(|term| term.0).eq(b.iter().map(|term| term.0))
+}
+
 /// Variables that share a row, by variable, ascending.
 fn neighbors(island: &Island) -> Vec<Vec<u32>> {
     let mut neighbors: Vec<Vec<u32>> = vec![Vec::new(); island.variables().len()];
     for row in 0..island.row_count() {
         let terms = island.terms(row);
         // The texels around one face have the same corners.
-        let is_same = |before: &[(u32, f64)]| before.iter().map(|t| t.0).eq(terms.iter().map(|t| t.0));
-        if row > 0 && is_same(island.terms(row - 1)) {
+        if row > 0 && is_alike(island.terms(row - 1), terms) {
             continue;
         }
         for &(a, _) in terms {
@@ -124,8 +128,14 @@ pub struct Band {
     /// By place: where the row starts in `entries`; one more at the end.
     starts: Vec<usize>,
     entries: Vec<f64>,
-    /// Where each product of two terms of a row goes.
+    /// Rows about the same variables, as the texels around one face are: one past the last row of each.
+    run_ends: Vec<u32>,
+    /// Where each product of two terms of the rows of a run goes.
     slots: Vec<u32>,
+    /// Products of the rows of one run, added up.
+    products: Vec<f64>,
+    /// The weights of one row.
+    weights: Vec<f64>,
     permuted: Vec<f64>,
 }
 
@@ -142,7 +152,17 @@ impl Band {
         for (at, &first) in first.iter().enumerate() {
             starts.push(starts[at] + at + 1 - first as usize);
         }
-        Self { permuted: vec![0.0; count], place, first, starts, entries: Vec::new(), slots: Vec::new() }
+        Self {
+            permuted: vec![0.0; count],
+            place,
+            first,
+            starts,
+            entries: Vec::new(),
+            run_ends: Vec::new(),
+            slots: Vec::new(),
+            products: Vec::new(),
+            weights: Vec::new(),
+        }
     }
 
     fn work(&self) -> usize {
@@ -157,6 +177,12 @@ impl Band {
     fn fill_slots(&mut self, island: &Island) {
         for row in 0..island.row_count() {
             let terms = island.terms(row);
+            if row > 0 && is_alike(island.terms(row - 1), terms) {
+                self.run_ends.pop();
+                self.run_ends.push(row as u32 + 1);
+                continue;
+            }
+            self.run_ends.push(row as u32 + 1);
             for (at, a) in terms.iter().enumerate() {
                 for b in &terms[..=at] {
                     let slot = self.slot(self.place[a.0 as usize], self.place[b.0 as usize]);
@@ -177,12 +203,23 @@ impl Band {
             self.entries[self.starts[at + 1] - 1] = *a;
         }
         let mut slots = self.slots.iter();
-        for (row, d) in d.iter().enumerate() {
-            let terms = island.terms(row);
-            for (at, a) in terms.iter().enumerate() {
-                let scaled = d * a.1;
-                for (b, &slot) in terms[..=at].iter().zip(&mut slots) {
-                    self.entries[slot as usize] += scaled * b.1;
+        let mut row = 0;
+        for &end in &self.run_ends {
+            let count = island.terms(row).len();
+            self.products.clear();
+            self.products.resize(count * count, 0.0);
+            while row < end as usize {
+                self.weights.clear();
+                self.weights.extend(island.terms(row).iter().map(|term| term.1));
+                for (line, a) in self.products.chunks_exact_mut(count).zip(&self.weights) {
+                    let scaled = d[row] * a;
+                    line.iter_mut().zip(&self.weights).for_each(|(sum, b)| *sum += scaled * b);
+                }
+                row += 1;
+            }
+            for (at, line) in self.products.chunks_exact(count).enumerate() {
+                for (product, &slot) in line[..=at].iter().zip(&mut slots) {
+                    self.entries[slot as usize] += product;
                 }
             }
         }

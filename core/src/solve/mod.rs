@@ -8,6 +8,7 @@
 //! one [`Problem`]. `global` solves it as islands of the rules that bind, `exact` as a whole by a library,
 //! and `local` as the papers do, which can tear what two faces share.
 
+mod active;
 mod exact;
 mod global;
 mod interior;

@@ -26,7 +26,7 @@ pub struct Solution {
     pub values: Vec<f64>,
     /// Rules that the wanted values break.
     pub violated_count: u64,
-    /// Newton steps of the island that took most; steps of a face of [`super::Solver::Local`].
+    /// Newton steps of the island that took most, or rules that came in or went; steps of a face of [`super::Solver::Local`].
     pub step_count: u64,
     /// `Σ a x²`.
     pub objective: f64,

@@ -93,13 +93,14 @@ impl BeyondCell {
 }
 
 /// The bilinear function through four corners of the unit square, or the linear one through three. The
-/// weights sum to 1.
+/// weights sum to 1, so differences to one corner are weighed: large weights then multiply what is small,
+/// and one color stays itself to the last bit.
 fn extrapolated(corners: &[[Option<DVec4>; 2]; 2], at: DVec2) -> Vec4 {
-    let mut value = DVec4::ZERO;
-    for ([x, y], weight) in corner_weights(corners.map(|row| row.map(|c| c.is_some())), at) {
-        value += corners[y][x].unwrap_or(DVec4::ZERO) * weight;
-    }
-    value.as_vec4()
+    let weights = corner_weights(corners.map(|row| row.map(|c| c.is_some())), at);
+    let value = |[x, y]: [usize; 2]| corners[y][x].unwrap_or(DVec4::ZERO);
+    let base = value(weights[0].0);
+    let changes = weights[1..].iter().map(|&(corner, weight)| (value(corner) - base) * weight);
+    (base + changes.sum::<DVec4>()).as_vec4()
 }
 
 /// Weights of the corners of the unit square at a point, four or the three that are there.
