@@ -49,7 +49,6 @@ fn a_finer_face_counts_for_its_area() {
 
 /// The sum of area times color, and of area.
 fn integral(case: &Case, level: usize, samples: &[Vec4]) -> (DVec4, f64) {
-    let topology = case.topology();
     let areas = case.areas(level);
     let sum = areas.iter().zip(samples).map(|(&area, value)| value.as_dvec4() * f64::from(area)).sum();
     (sum, areas.iter().map(|&area| f64::from(area)).sum())

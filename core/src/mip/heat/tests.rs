@@ -78,7 +78,6 @@ fn noisy(random: &mut Random, places: &[Vec3], blocks_per_unit: f32) -> Vec<Vec4
 /// both rungs: (one-ring, heat).
 fn errors(case: &Case, samples: &[Vec4], level: usize, spread: f64, is_sphere: bool) -> [[f64; 2]; 2] {
     let places = places(case);
-    let topology = case.topology();
     let areas = case.areas(0);
     let total: f32 = case.canvas.faces.iter().map(|face| face.area).sum();
     let cells = case.canvas.faces.iter().map(|face| if face.is_triangle() { 0.5 } else { 1.0 }).sum::<f64>();
@@ -201,7 +200,6 @@ fn the_last_level_is_the_mean_of_what_hangs_together() {
     let mut random = Random(9);
     let case = sheet(&mut random, 5, 0.2, 1);
     let samples = random.colors(case.sample_count());
-    let topology = case.topology();
     let areas = case.areas(0);
     let mean = samples.iter().zip(&areas).map(|(v, a)| *v * *a).sum::<Vec4>() / areas.iter().sum::<f32>();
     let last = &case.levels(&samples, HEAT, 20)[20];
