@@ -131,7 +131,16 @@ pub(super) fn write_line8(codec: &Codec, codes: &mut [u8], line: Line<'_>) {
 pub(super) fn write_line16(codec: &LevelCodec, codes: &mut [u16], line: Line<'_>) {
     match (&codec.range, codec.plain.transfer) {
         (Some(range), _) => {
-            by_components(&codec.plain, codes, line, |component, value| range.encode(component, value));
+            let all = |value: Vec4| range.encode_all(value);
+            match codec.plain.components {
+                1 => write(codes, line, |v| [all(v)[0]]),
+                2 => write(codes, line, |v| [all(v)[0], all(v)[ALPHA]]),
+                3 => write(codes, line, |v| {
+                    let [red, green, blue, _] = all(v);
+                    [red, green, blue]
+                }),
+                _ => write(codes, line, all),
+            }
         }
         (None, Transfer::Srgb) => by_components(&codec.plain, codes, line, |component, value| {
             if component == ALPHA { unorm16(value) } else { srgb16(value) }

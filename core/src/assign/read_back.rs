@@ -2,9 +2,10 @@
 //! was wanted. Nothing was solved there, so storing alone has changed them.
 
 use glam::{Vec2, Vec4};
+use rayon::prelude::*;
 
 use crate::image::{Image, LevelRange, Transfer};
-use crate::math::transfer::linear_to_srgb;
+use crate::math::transfer::{linear_to_srgb, srgb_slope};
 
 use super::{LevelChannel, LevelValues, corner_point};
 
@@ -16,22 +17,17 @@ pub fn read_back(
     image: &Image,
     range: &LevelRange,
 ) -> Vec<f64> {
-    let stored = channel.codec.stored();
+    let mut is_stored = Vec4::ZERO;
+    channel.codec.stored().iter().for_each(|&component| is_stored[component] = 1.0);
     let change = |found: Vec4, wanted: Vec4| {
-        let difference = |&k: &usize| (code(channel, k, found[k]) - code(channel, k, wanted[k])).abs();
-        f64::from(stored.iter().map(difference).fold(0.0, f32::max))
-    };
-    let rounded = |value: Vec4| {
-        let mut found = value;
-        stored.iter().for_each(|&k| found[k] = range.decode(k, range.encode(k, value[k])));
-        found
+        f64::from((difference(channel.codec.transfer, found, wanted) * is_stored).max_element() * 255.0)
     };
     let of_copy = |value: &Vec4| {
         // Each face stores a version of its own of a normal: all are rounded alike.
         let value = if channel.frames.is_some() { *value * 0.5 + 0.5 } else { *value };
-        change(rounded(value), value)
+        change(range.round(value), value)
     };
-    let mut changes: Vec<f64> = values.samples.iter().map(of_copy).collect();
+    let mut changes: Vec<f64> = values.samples.par_iter().map(of_copy).collect();
     let numbering = channel.numbering;
     let scale = (-(numbering.level as f32)).exp2();
     for (face, placement) in channel.layout.placements.iter().enumerate() {
@@ -51,9 +47,24 @@ pub fn read_back(
     changes
 }
 
-fn code(channel: &LevelChannel<'_>, component: usize, value: f32) -> f32 {
-    let is_color = channel.codec.transfer == Transfer::Srgb && component < 3;
-    255.0 * if is_color { linear_to_srgb(value) } else { value }
+/// How far the components of two values are apart, as shares of the code range.
+#[inline]
+fn difference(transfer: Transfer, found: Vec4, wanted: Vec4) -> Vec4 {
+    let difference = (found - wanted).abs();
+    if transfer == Transfer::Linear || difference == Vec4::ZERO {
+        return difference;
+    }
+    let mut coded = difference;
+    for k in (0..3).filter(|&k| difference[k] > 0.0) {
+        let middle = 0.5 * (found[k] + wanted[k]);
+        coded[k] = if difference[k] * 64.0 > middle {
+            (linear_to_srgb(found[k]) - linear_to_srgb(wanted[k])).abs()
+        } else {
+            // So near to each other the slope between them says it better than what is left of two codes.
+            difference[k] * srgb_slope(middle)
+        };
+    }
+    coded
 }
 
 fn bilinear(image: &Image, range: &LevelRange, at_texels: Vec2) -> Vec4 {

@@ -4,49 +4,64 @@
 use super::LevelNumbering;
 
 /// Mesh-space area of every sample at a level: a third, half or all of the hats of the faces around it.
-/// The sum is the area of the mesh.
-pub fn sample_areas(numbering: &LevelNumbering<'_>) -> Vec<f32> {
-    let mut areas = shared_areas(numbering);
-    areas.resize(numbering.sample_count(), 0.0);
-    for face in 0..numbering.canvas.faces.len() {
-        areas[numbering.face_range(face)].fill(inner_area(numbering, face));
-    }
-    areas
+/// The sum is the area of the mesh. All samples inside one strip, and inside one face, have the same.
+pub struct SampleAreas {
+    /// By fan.
+    pub fans: Vec<f32>,
+    /// By strip: each sample inside it.
+    pub strips: Vec<f32>,
+    /// By face: each sample inside it.
+    pub faces: Vec<f32>,
 }
 
-/// [`sample_areas`] of the samples on vertices and edges alone.
-pub fn shared_areas(numbering: &LevelNumbering<'_>) -> Vec<f32> {
-    let mut areas = fan_areas(numbering);
-    areas.resize(numbering.shared_count(), 0.0);
-    for (face, canvas_face) in numbering.canvas.faces.iter().enumerate() {
-        let share = inner_area(numbering, face) * 0.5;
-        for edge in 0..canvas_face.count() {
-            for along in 1..numbering.segments(face) {
-                let tap = numbering.edge_tap(face, edge, along);
-                areas[tap.samples[0] as usize] += share * (1.0 - tap.second);
-                areas[tap.samples[1] as usize] += share * tap.second;
+impl SampleAreas {
+    pub fn new(numbering: &LevelNumbering<'_>) -> Self {
+        let topology = numbering.topology;
+        let count = numbering.canvas.faces.len();
+        let faces: Vec<f32> = (0..count).map(|face| inner_area(numbering, face)).collect();
+        let mut fans = vec![0.0; topology.fan_count()];
+        for ((canvas_face, area), corners) in numbering.canvas.faces.iter().zip(&faces).zip(&topology.fan_of)
+        {
+            let share = if canvas_face.is_triangle() { 1.0 / 6.0 } else { 0.25 };
+            corners[..canvas_face.count()].iter().for_each(|&fan| fans[fan as usize] += area * share);
+        }
+        let mut strips = Vec::with_capacity(topology.strips.len());
+        for (number, strip) in topology.strips.iter().enumerate() {
+            let mut inside = 0.0;
+            for side in topology.sides(strip) {
+                let face = side.face as usize;
+                let step = (numbering.segments(face) / numbering.strip_segments(number)) as f32;
+                // A finer face's points between two samples count for both: a hat's sum is `step`, and half of
+                // what is left of it beyond its top falls to the strip's end.
+                let share = faces[face] * 0.5;
+                inside += share * step;
+                strip.fans.iter().for_each(|&fan| fans[fan as usize] += share * 0.5 * (step - 1.0));
             }
+            strips.push(inside);
+        }
+        Self { fans, strips, faces }
+    }
+
+    /// The area of one sample.
+    pub fn of(&self, numbering: &LevelNumbering<'_>, sample: usize) -> f32 {
+        match numbering.place(sample) {
+            SamplePlace::Fan(fan) => self.fans[fan],
+            SamplePlace::Strip(strip) => self.strips[strip],
+            SamplePlace::Face(face) => self.faces[face],
         }
     }
-    areas
 }
 
-/// What each vertex sample has at the corners of its faces. It is all of its area where no face around it is
-/// finer than the edge between them.
-fn fan_areas(numbering: &LevelNumbering<'_>) -> Vec<f32> {
-    let topology = numbering.topology;
-    let mut areas = vec![0.0; topology.fan_count()];
-    for (face, canvas_face) in numbering.canvas.faces.iter().enumerate() {
-        let share = if canvas_face.is_triangle() { 1.0 / 6.0 } else { 0.25 };
-        for corner in 0..canvas_face.count() {
-            areas[topology.fan_of[face][corner] as usize] += inner_area(numbering, face) * share;
-        }
-    }
-    areas
+/// What a sample lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SamplePlace {
+    Fan(usize),
+    Strip(usize),
+    Face(usize),
 }
 
 /// The area of each sample inside a face.
-pub fn inner_area(numbering: &LevelNumbering<'_>, face: usize) -> f32 {
+fn inner_area(numbering: &LevelNumbering<'_>, face: usize) -> f32 {
     let canvas_face = &numbering.canvas.faces[face];
     let cells = if canvas_face.is_triangle() { 2.0 } else { 1.0 };
     cells * canvas_face.area / (numbering.segments(face) as f32).powi(2)

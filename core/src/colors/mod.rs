@@ -11,7 +11,7 @@ mod numbering;
 mod tests;
 mod topology;
 
-pub use areas::{inner_area, sample_areas, shared_areas};
+pub use areas::{SampleAreas, SamplePlace};
 pub use levels::{LEVEL_MAX, level_count};
 pub use numbering::{FaceGrid, LevelNumbering, Tap, edge_point};
 pub use topology::{ChannelTopology, Strip};

@@ -4,7 +4,7 @@ use glam::Vec4;
 
 use crate::mesh::CanvasMesh;
 
-use super::{ChannelTopology, Resolutions, exponent_at};
+use super::{ChannelTopology, Resolutions, SamplePlace, exponent_at};
 
 /// A face's view of one grid point: a sample, or a point between two samples of a coarser edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,6 +82,46 @@ impl<'a> LevelNumbering<'a> {
     /// Samples on vertices and edges; those inside faces follow.
     pub fn shared_count(&self) -> usize {
         self.face_first[0] as usize
+    }
+
+    /// A buffer of one value for each sample. Those that `room` held may still stand there: all are to be set.
+    pub fn values_in(&self, mut room: Vec<Vec4>) -> Vec<Vec4> {
+        let count = self.sample_count();
+        if room.capacity() < count {
+            // Another channel of the same faces may have more cuts.
+            room = Vec::with_capacity(count + count / 8);
+        }
+        room.resize(count, Vec4::ZERO);
+        room
+    }
+
+    /// What a sample lies on.
+    pub fn place(&self, sample: usize) -> SamplePlace {
+        let last_from = |first: &[u32]| first.partition_point(|&first| first as usize <= sample) - 1;
+        if sample < self.topology.fan_count() {
+            SamplePlace::Fan(sample)
+        } else if sample < self.shared_count() {
+            SamplePlace::Strip(last_from(&self.strip_first))
+        } else {
+            SamplePlace::Face(last_from(&self.face_first))
+        }
+    }
+
+    /// The values of all samples as those of vertices, strips and faces.
+    pub fn parts<'v>(&self, values: &'v mut [Vec4]) -> [&'v mut [Vec4]; 3] {
+        let (fans, rest) = values.split_at_mut(self.topology.fan_count());
+        let (strips, faces) = rest.split_at_mut(self.shared_count() - self.topology.fan_count());
+        [fans, strips, faces]
+    }
+
+    /// The values of strips as those of each strip that has any, with its number.
+    pub fn by_strip<'v>(&self, values: &'v mut [Vec4]) -> Vec<(usize, &'v mut [Vec4])> {
+        split(values, &self.strip_first)
+    }
+
+    /// The values of faces as those of each face that has any, with its number.
+    pub fn by_face<'v>(&self, values: &'v mut [Vec4]) -> Vec<(usize, &'v mut [Vec4])> {
+        split(values, &self.face_first)
     }
 
     /// Segments along a side of the face at this level.
@@ -176,6 +216,17 @@ impl<'a> LevelNumbering<'a> {
             }
         }
     }
+}
+
+/// Parts that begin at the numbers `first`, the last of which is the end; empty ones are left out.
+fn split<'v>(mut rest: &'v mut [Vec4], first: &[u32]) -> Vec<(usize, &'v mut [Vec4])> {
+    let mut parts = Vec::new();
+    for (number, ends) in first.windows(2).enumerate().filter(|(_, ends)| ends[0] < ends[1]) {
+        let (part, after) = rest.split_at_mut((ends[1] - ends[0]) as usize);
+        rest = after;
+        parts.push((number, part));
+    }
+    parts
 }
 
 /// All values of one face at one level, `(i, j)` as in the module's doc.

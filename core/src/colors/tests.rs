@@ -1,7 +1,8 @@
 use glam::{Vec3, Vec4};
 
 use super::{
-    ChannelTopology, Cuts, FaceGrid, LEVEL_MAX, LevelNumbering, Resolutions, edge_point, level_count,
+    ChannelTopology, Cuts, FaceGrid, LEVEL_MAX, LevelNumbering, Resolutions, SampleAreas, edge_point,
+    level_count,
 };
 use crate::mesh::{CanvasMesh, Polygons, build};
 
@@ -40,6 +41,45 @@ fn numbers_are_dense_and_shared() {
             }
         }
         assert!(seen.into_iter().all(|s| s), "level {level} has samples that no face sees");
+    }
+}
+
+/// Each face's area spread over its grid points, and from points of coarser edges over both samples.
+#[test]
+fn areas_are_what_faces_spread_over_their_samples() {
+    let canvas = two_triangles_and_a_quad();
+    let resolutions = Resolutions { faces: vec![2, 4, 1] };
+    let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
+    for level in 0..5 {
+        let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, level);
+        let mut expected = vec![0.0; numbering.sample_count()];
+        for (face, canvas_face) in canvas.faces.iter().enumerate() {
+            let (n, is_triangle) = (numbering.segments(face), canvas_face.is_triangle());
+            let cells = if is_triangle { n * n } else { 2 * n * n } as f32 * 0.5;
+            for (i, j) in (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j))) {
+                let corners = [(0, 0), (n, 0), (n, n), (0, n)];
+                let share = match (is_triangle, corners.contains(&(i, j))) {
+                    (true, _) if i + j > n => continue,
+                    (true, true) => 1.0 / 6.0,
+                    (true, false) if i == 0 || j == 0 || i + j == n => 0.5,
+                    (false, true) => 0.25,
+                    (false, false) if i == 0 || j == 0 || i == n || j == n => 0.5,
+                    _ => 1.0,
+                };
+                let tap = numbering.tap(face, i, j);
+                let area = share * canvas_face.area / cells;
+                expected[tap.samples[0] as usize] += area * (1.0 - tap.second);
+                expected[tap.samples[1] as usize] += area * tap.second;
+            }
+        }
+        let areas = SampleAreas::new(&numbering);
+        for (sample, expected) in expected.into_iter().enumerate() {
+            let found = areas.of(&numbering, sample);
+            assert!(
+                (found - expected).abs() < 1e-6,
+                "level {level}, sample {sample}: {found}, not {expected}"
+            );
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::Vec4;
 use half::f16;
+use half::slice::HalfFloatSliceExt;
 
 use super::{Image, Pixels};
 
@@ -18,6 +19,8 @@ pub enum LevelRange {
 
 /// The largest half float.
 const HALF_MAX: f32 = 65504.0;
+/// The smallest normal one above 0.
+const HALF_NORMAL: f32 = 1.0 / 16384.0;
 
 impl LevelRange {
     /// The 16-bit range that holds the values from `low` to `high`, component by component.
@@ -44,6 +47,35 @@ impl LevelRange {
                 (share.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16
             }
             Self::Float16 => f16::from_f32(value.clamp(-HALF_MAX, HALF_MAX)).to_bits(),
+        }
+    }
+
+    /// The nearest codes of all components.
+    #[inline]
+    pub fn encode_all(&self, value: Vec4) -> [u16; 4] {
+        match self {
+            Self::Scaled16 { .. } => [0, 1, 2, 3].map(|component| self.encode(component, value[component])),
+            Self::Float16 => halves(value).map(f16::to_bits),
+        }
+    }
+
+    /// The nearest value that can be stored; of two equally near either.
+    #[inline]
+    pub fn round(&self, value: Vec4) -> Vec4 {
+        match self {
+            Self::Scaled16 { .. } => {
+                let codes = self.encode_all(value);
+                Vec4::from_array([0, 1, 2, 3].map(|component| self.decode(component, codes[component])))
+            }
+            Self::Float16 => {
+                let value = value.clamp(Vec4::splat(-HALF_MAX), Vec4::splat(HALF_MAX));
+                // T. J. Dekker, "A floating-point technique for extending the available precision", 1971: the
+                // upper 11 of 24 bits. What is smaller than a normal half is a multiple of 2^-24, as are all
+                // floats between 1/2 and 1.
+                let scaled = value * 8193.0;
+                let fine = (value + 0.75) - 0.75;
+                Vec4::select(value.abs().cmplt(Vec4::splat(HALF_NORMAL)), fine, scaled - (scaled - value))
+            }
         }
     }
 
@@ -88,6 +120,13 @@ impl LevelRange {
     }
 }
 
+#[inline]
+fn halves(value: Vec4) -> [f16; 4] {
+    let mut halves = [f16::ZERO; 4];
+    halves.convert_from_f32_slice(&value.clamp(Vec4::splat(-HALF_MAX), Vec4::splat(HALF_MAX)).to_array());
+    halves
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -123,6 +162,23 @@ mod tests {
         }
         assert_eq!(range.decode(2, range.encode(2, 1e9)), HALF_MAX);
         assert_eq!(range.decode(2, range.encode(2, -1e9)), -HALF_MAX);
+    }
+
+    #[test]
+    fn four_components_are_rounded_as_each_is() {
+        let scale = Vec4::new(4.0, 1.0, 1e-3, 70.0);
+        for range in [LevelRange::Scaled16 { scale, bias: Vec4::splat(-0.3) }, LevelRange::Float16] {
+            for step in 0..2000 {
+                let share = step as f32 / 999.0 - 0.5;
+                let value = Vec4::new(share, share.powi(9), share * 1e-6, share * 1e5);
+                let each = [0, 1, 2, 3].map(|k| range.encode(k, value[k]));
+                assert_eq!(range.encode_all(value), each, "{value}");
+                let decoded = Vec4::from_array([0, 1, 2, 3].map(|k| range.decode(k, each[k])));
+                let rounded = range.round(value);
+                assert_eq!((rounded - value).abs(), (decoded - value).abs(), "{value}");
+                assert_eq!(range.round(rounded), rounded, "{value}");
+            }
+        }
     }
 
     #[test]

@@ -12,6 +12,11 @@ pub fn linear_to_srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
+/// The derivative of [`linear_to_srgb`].
+pub fn srgb_slope(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 { 12.92 } else { 1.055 / 2.4 * linear.powf(1.0 / 2.4 - 1.0) }
+}
+
 /// `SRGB8_TO_LINEAR[code]` is the linear light of an 8-bit sRGB code.
 pub static SRGB8_TO_LINEAR: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|code| srgb_to_linear(code as f32 / 255.0)));

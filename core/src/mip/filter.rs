@@ -7,7 +7,7 @@ mod tests;
 use glam::Vec4;
 use rayon::prelude::*;
 
-use crate::colors::{LevelNumbering, inner_area, shared_areas};
+use crate::colors::{LevelNumbering, SampleAreas};
 use crate::math::mean::WeightedMean;
 
 use super::hats::{StripSide, beside, edge_grid_point, edge_taps, inner_neighbor};
@@ -22,29 +22,21 @@ pub(super) struct Filter<'a> {
     pub coarse: &'a LevelNumbering<'a>,
     pub values: &'a [Vec4],
     pub rungs: Rungs,
-    areas: Option<Areas>,
+    /// What samples of the fine level weigh by area, 1 in the mean over all.
+    areas: Option<SampleAreas>,
 }
 
 /// What samples of the fine level weigh by area, 1 in the mean over all.
-struct Areas {
-    shared: Vec<f32>,
-    /// By face: each sample inside it.
-    inner: Vec<f32>,
-}
-
-impl Areas {
-    fn new(numbering: &LevelNumbering<'_>) -> Self {
-        let total: f64 = numbering.canvas.faces.iter().map(|face| f64::from(face.area)).sum();
-        let mean = total / numbering.sample_count().max(1) as f64;
-        // A mesh without any area still has a mean to divide by.
-        let mean = if mean > 0.0 { mean } else { 1.0 };
-        let weight = |area: f32| (f64::from(area) / mean).max(AREA_FLOOR) as f32;
-        let faces = 0..numbering.canvas.faces.len();
-        Self {
-            shared: shared_areas(numbering).into_iter().map(weight).collect(),
-            inner: faces.map(|face| weight(inner_area(numbering, face))).collect(),
-        }
+fn area_weights(numbering: &LevelNumbering<'_>) -> SampleAreas {
+    let total: f64 = numbering.canvas.faces.iter().map(|face| f64::from(face.area)).sum();
+    let mean = total / numbering.sample_count().max(1) as f64;
+    // A mesh without any area still has a mean to divide by.
+    let mean = if mean > 0.0 { mean } else { 1.0 };
+    let mut areas = SampleAreas::new(numbering);
+    for area in areas.fans.iter_mut().chain(&mut areas.strips).chain(&mut areas.faces) {
+        *area = (f64::from(*area) / mean).max(AREA_FLOOR) as f32;
     }
+    areas
 }
 
 impl<'a> Filter<'a> {
@@ -54,7 +46,7 @@ impl<'a> Filter<'a> {
         values: &'a [Vec4],
         rungs: Rungs,
     ) -> Self {
-        let areas = (rungs.filter == MipFilter::Area).then(|| Areas::new(fine));
+        let areas = (rungs.filter == MipFilter::Area).then(|| area_weights(fine));
         Self { fine, coarse, values, rungs, areas }
     }
 
@@ -62,17 +54,7 @@ impl<'a> Filter<'a> {
         out.par_iter_mut().with_min_len(256).enumerate().for_each(|(fan, out)| *out = self.fan(fan));
     }
 
-    /// `out` begins with the first strip's samples.
-    pub fn strips(&self, mut out: &mut [Vec4], borders: &Borders) {
-        let mut parts = Vec::new();
-        for strip in 0..self.coarse.topology.strips.len() {
-            let count = self.coarse.strip_range(strip).len();
-            let (part, rest) = out.split_at_mut(count);
-            out = rest;
-            if count > 0 {
-                parts.push((strip, part));
-            }
-        }
+    pub fn strips(&self, parts: Vec<(usize, &mut [Vec4])>, borders: &Borders) {
         let parts = parts.into_par_iter().with_min_len(64);
         parts.for_each(|(strip, part)| self.strip(strip, part, borders));
     }
@@ -81,15 +63,15 @@ impl<'a> Filter<'a> {
         mean.add(self.values[sample], weight, self.rungs.by_alpha);
     }
 
-    /// Adds a sample on a vertex or an edge.
-    fn add_shared(&self, mean: &mut WeightedMean, sample: u32, weight: f32) {
-        let area = self.areas.as_ref().map_or(1.0, |areas| areas.shared[sample as usize]);
-        self.add(mean, sample as usize, weight * area);
+    /// Adds a sample on a vertex.
+    fn add_fan(&self, mean: &mut WeightedMean, fan: u32, weight: f32) {
+        let area = self.areas.as_ref().map_or(1.0, |areas| areas.fans[fan as usize]);
+        self.add(mean, fan as usize, weight * area);
     }
 
     fn fan(&self, fan: usize) -> Vec4 {
         let mut mean = WeightedMean::default();
-        self.add_shared(&mut mean, fan as u32, 1.0);
+        self.add_fan(&mut mean, fan as u32, 1.0);
         let before = mean;
         for &(face, corner) in self.fine.topology.corners(fan) {
             let (face, corner) = (face as usize, usize::from(corner));
@@ -98,7 +80,7 @@ impl<'a> Filter<'a> {
                     self.add_ring(&mut mean, face, corner);
                 }
             } else if let Some(areas) = &self.areas {
-                self.add_corner_by_area(&mut mean, (face, corner), areas.inner[face]);
+                self.add_corner_by_area(&mut mean, (face, corner), areas);
             } else {
                 self.add_corner(&mut mean, face, corner);
             }
@@ -116,10 +98,10 @@ impl<'a> Filter<'a> {
         for (edge, neighbor) in [(corner, (corner + 1) % count), (before, before)] {
             let strip = &topology.strips[topology.strip_of[face][edge] as usize];
             let share = 0.5 / topology.sides(strip).len() as f32;
-            self.add_shared(mean, topology.fan_of[face][neighbor], share);
+            self.add_fan(mean, topology.fan_of[face][neighbor], share);
         }
         if count == 4 {
-            self.add_shared(mean, topology.fan_of[face][(corner + 2) % 4], 0.25);
+            self.add_fan(mean, topology.fan_of[face][(corner + 2) % 4], 0.25);
         }
     }
 
@@ -143,9 +125,15 @@ impl<'a> Filter<'a> {
 
     /// The fine samples under the coarse basis function of a vertex in one face, by their area. Along an edge
     /// that is coarser than the face the function falls at the edge's spacing, inwards at the face's own.
-    fn add_corner_by_area(&self, mean: &mut WeightedMean, (face, corner): (usize, usize), inner_area: f32) {
+    fn add_corner_by_area(
+        &self,
+        mean: &mut WeightedMean,
+        (face, corner): (usize, usize),
+        areas: &SampleAreas,
+    ) {
         let topology = self.fine.topology;
         let canvas_face = &self.fine.canvas.faces[face];
+        let inner_area = areas.faces[face];
         let count = canvas_face.count();
         let n = self.fine.segments(face);
         let before = (corner + count - 1) % count;
@@ -157,7 +145,7 @@ impl<'a> Filter<'a> {
                 let is_low = starts_here != canvas_face.is_reversed(edge);
                 let next = if is_low { 1 } else { strip_segments - 1 };
                 let share = 0.5 / topology.sides(&topology.strips[strip]).len() as f32;
-                self.add_shared(mean, self.fine.strip_sample(strip, next), share);
+                self.add(mean, self.fine.strip_sample(strip, next) as usize, share * areas.strips[strip]);
             }
             for x in (2..reach).step_by(2) {
                 let weight = inner_area * (1.0 - x as f32 / reach as f32);
@@ -191,12 +179,13 @@ impl<'a> Filter<'a> {
                 (side, known)
             })
             .collect();
-        let first = self.fine.strip_range(strip).start as u32;
+        let first = self.fine.strip_range(strip).start;
+        let area = self.areas.as_ref().map_or(1.0, |areas| areas.strips[strip]);
         for (at, out) in (2u32..).step_by(2).zip(out) {
             let mut mean = WeightedMean::default();
             // All three lie inside the strip: the coarse sample is not at its end.
             for (sample, weight) in [(at - 1, 0.5), (at, 1.0), (at + 1, 0.5)] {
-                self.add_shared(&mut mean, first + sample - 1, weight);
+                self.add(&mut mean, first + sample as usize - 1, weight * area);
             }
             for (side, known) in &sides {
                 let along = if side.is_reversed { side.segments - at * side.step } else { at * side.step };
@@ -230,7 +219,7 @@ impl<'a> Filter<'a> {
             is_triangle: canvas_face.is_triangle(),
             is_reversed: canvas_face.is_reversed(edge),
             taps: edge_taps(canvas_face.is_triangle(), step, self.rungs.filter),
-            weight: self.areas.as_ref().map_or(1.0, |areas| areas.inner[face]),
+            weight: self.areas.as_ref().map_or(1.0, |areas| areas.faces[face]),
         }
     }
 }

@@ -16,7 +16,7 @@ mod tests;
 
 use glam::{DVec3, DVec4, Vec4};
 
-use crate::colors::{LevelNumbering, shared_areas};
+use crate::colors::{LevelNumbering, SampleAreas};
 use crate::error::{Error, Result};
 
 use super::exchange::{Bond, exchange};
@@ -135,8 +135,7 @@ fn merged(bonds: Vec<Bond>, fan_count: usize) -> Vec<Bond> {
 /// The area of each vertex sample at the level that flows: after the hat filter it stands for its coarse
 /// hat, so that the sum of area times color is kept.
 fn masses(coarse: &LevelNumbering<'_>) -> Vec<f64> {
-    let areas = shared_areas(coarse);
-    let fans = &areas[..coarse.topology.fan_count()];
+    let fans = SampleAreas::new(coarse).fans;
     let mean = fans.iter().map(|&area| f64::from(area)).sum::<f64>() / fans.len() as f64;
     // A mesh without any area flows to its mean at once.
     let floor = (mean * MASS_FLOOR).max(1e-100);

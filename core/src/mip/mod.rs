@@ -51,7 +51,8 @@ pub struct Rungs {
     pub by_alpha: bool,
 }
 
-/// Computes the samples of `coarse` from those of `fine`, the level before it.
+/// Computes the samples of `coarse` from those of `fine`, the level before it, into a buffer that may hold
+/// anything.
 ///
 /// Normals are averaged as vectors: they shorten where they differ, which is what the next level has to
 /// weigh them by; whoever stores them normalizes.
@@ -59,21 +60,20 @@ pub struct Rungs {
 /// # Errors
 /// `Canceled`; `Internal` where the heat flow's system cannot be factored.
 pub fn coarsen(
-    fine: &LevelNumbering<'_>,
-    coarse: &LevelNumbering<'_>,
+    [fine, coarse]: [&LevelNumbering<'_>; 2],
     values: &[Vec4],
+    room: Vec<Vec4>,
     rungs: Rungs,
     watch: &dyn Watch,
 ) -> Result<Vec<Vec4>> {
     watch::check(watch)?;
     let filter = Filter::new(fine, coarse, values, rungs);
-    let mut out = vec![Vec4::ZERO; coarse.sample_count()];
-    let (shared, inner) = out.split_at_mut(coarse.shared_count());
-    let (fans, strips) = shared.split_at_mut(coarse.topology.fan_count());
+    let mut out = coarse.values_in(room);
+    let [fans, strips, inner] = coarse.parts(&mut out);
     let borders = interior::interiors(&filter, inner);
     watch::check(watch)?;
     filter.fans(fans);
-    filter.strips(strips, &borders);
+    filter.strips(coarse.by_strip(strips), &borders);
     if rungs.beyond == Beyond::Heat {
         watch::check(watch)?;
         heat::flow(fine, coarse, fans, rungs.by_alpha)?;

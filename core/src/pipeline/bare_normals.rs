@@ -10,28 +10,41 @@ use rayon::prelude::*;
 
 use crate::assign::NormalFrames;
 use crate::colors::LevelNumbering;
-use crate::mesh::surface_point;
+use crate::mesh::{Side, surface_point};
 
-/// `G` of every sample, unit vectors with w = 0: interpolated over the face, and the mean of what its faces
-/// show where several share it.
-pub fn bare_normals(numbering: &LevelNumbering<'_>, frames: &NormalFrames) -> Vec<Vec4> {
-    let topology = numbering.topology;
-    let mut normals = Vec::with_capacity(numbering.sample_count());
-    normals.par_extend((0..topology.fan_count()).into_par_iter().map(|fan| {
-        mean(
-            topology
-                .corners(fan)
-                .iter()
-                .map(|&(face, corner)| frames.corners[face as usize][usize::from(corner)].normal),
-        )
-    }));
-    let strips =
-        (0..topology.strips.len()).into_par_iter().map(|strip| along_strip(numbering, frames, strip));
-    normals.extend(strips.collect::<Vec<_>>().into_iter().flatten());
-    let interiors =
-        (0..numbering.canvas.faces.len()).into_par_iter().map(|face| inside(numbering, frames, face));
-    normals.extend(interiors.collect::<Vec<_>>().into_iter().flatten());
-    normals
+/// `N` to `D`: takes the mesh's own normals from samples.
+pub fn take_bare(numbering: &LevelNumbering<'_>, frames: &NormalFrames, normals: &mut [Vec4]) {
+    with_bare(numbering, frames, normals, |normal, bare| *normal -= bare);
+}
+
+/// `D` to what a level shows: unit vectors along `G + D`, or `G` where that vanishes, with w = 1.
+pub fn show(numbering: &LevelNumbering<'_>, frames: &NormalFrames, added: &mut [Vec4]) {
+    with_bare(numbering, frames, added, |added, bare| {
+        *added = (bare + added.with_w(0.0)).try_normalize().unwrap_or(bare).with_w(1.0);
+    });
+}
+
+/// Visits every sample with its `G`: a unit vector with w = 0, interpolated over the face, and the mean of what its
+/// faces show where several share it.
+fn with_bare(
+    numbering: &LevelNumbering<'_>,
+    frames: &NormalFrames,
+    values: &mut [Vec4],
+    visit: impl Fn(&mut Vec4, Vec4) + Sync,
+) {
+    let [fans, strips, inner] = numbering.parts(values);
+    fans.par_iter_mut().with_min_len(256).enumerate().for_each(|(fan, value)| {
+        let corners = numbering.topology.corners(fan).iter();
+        let normals =
+            corners.map(|&(face, corner)| frames.corners[face as usize][usize::from(corner)].normal);
+        visit(value, mean(normals));
+    });
+    numbering.by_strip(strips).into_par_iter().with_min_len(64).for_each(|(strip, values)| {
+        along_strip(numbering, frames, strip, values, &visit);
+    });
+    numbering.by_face(inner).into_par_iter().with_min_len(16).for_each(|(face, values)| {
+        inside(numbering, frames, face, values, &visit);
+    });
 }
 
 /// Opposite normals, as of coincident sheets, have no mean: the first one stands for them.
@@ -40,47 +53,95 @@ fn mean(normals: impl Iterator<Item = Vec3> + Clone) -> Vec4 {
     sum.try_normalize().or_else(|| normals.into_iter().next()).unwrap_or(Vec3::Z).extend(0.0)
 }
 
-fn along_strip(numbering: &LevelNumbering<'_>, frames: &NormalFrames, strip: usize) -> Vec<Vec4> {
+fn along_strip(
+    numbering: &LevelNumbering<'_>,
+    frames: &NormalFrames,
+    strip: usize,
+    values: &mut [Vec4],
+    visit: impl Fn(&mut Vec4, Vec4),
+) {
     let canvas = numbering.canvas;
     let sides = numbering.topology.sides(&numbering.topology.strips[strip]);
     let segments = numbering.strip_segments(strip);
-    let at = |step: u32| {
+    for (step, value) in (1..segments).zip(values) {
         let share = step as f32 / segments as f32;
-        mean(sides.iter().map(|&side| {
-            let [low, high] =
-                [0, 1].map(|end| frames.corners[side.face as usize][canvas.corner_at_end(side, end)].normal);
-            low.lerp(high, share)
-        }))
-    };
-    (1..segments).map(at).collect()
+        let of_side = |&side: &Side| {
+            let at = |end| frames.corners[side.face as usize][canvas.corner_at_end(side, end)].normal;
+            at(0).lerp(at(1), share)
+        };
+        visit(value, mean(sides.iter().map(of_side)));
+    }
 }
 
-fn inside(numbering: &LevelNumbering<'_>, frames: &NormalFrames, face: usize) -> Vec<Vec4> {
+fn inside(
+    numbering: &LevelNumbering<'_>,
+    frames: &NormalFrames,
+    face: usize,
+    values: &mut [Vec4],
+    visit: impl Fn(&mut Vec4, Vec4),
+) {
     let canvas_face = &numbering.canvas.faces[face];
     let segments = numbering.segments(face);
     let scale = 1.0 / segments as f32;
-    let corners = &frames.corners[face];
-    let mut normals = Vec::with_capacity(numbering.face_range(face).len());
+    let corners = frames.corners[face].map(|frame| frame.normal.extend(0.0));
+    let at = |i: u32, j: u32| {
+        let (of, weights) = surface_point(canvas_face.count(), i as f32 * scale, j as f32 * scale);
+        corners[of[0]] * weights.x + corners[of[1]] * weights.y + corners[of[2]] * weights.z
+    };
+    let mut values = values.iter_mut();
     for j in 1..segments {
-        let end = if canvas_face.is_triangle() { segments - j } else { segments };
-        normals.extend((1..end).map(|i| {
-            let (of, weights) = surface_point(canvas_face.count(), i as f32 * scale, j as f32 * scale);
-            let normal = corners[of[0]].normal * weights.x
-                + corners[of[1]].normal * weights.y
-                + corners[of[2]].normal * weights.z;
-            normal.try_normalize().unwrap_or(corners[of[0]].normal).extend(0.0)
-        }));
+        // One triangle of the face after the other: on each the row is affine.
+        let (turn, end) = if canvas_face.is_triangle() { (1, segments - j) } else { (j, segments) };
+        for (first, last) in [(1, turn), (turn, end)] {
+            let start = at(first, j);
+            let step = (at(last, j) - start) / (last - first).max(1) as f32;
+            for (value, i) in values.by_ref().take((last - first) as usize).zip(0u32..) {
+                let normal = start + step * i as f32;
+                visit(value, normal.try_normalize().unwrap_or(corners[0]));
+            }
+        }
     }
-    normals
 }
 
-/// Unit normals of what a level shows: `G + D`, or `G` where that vanishes.
-pub fn shown(bare: &[Vec4], added: &[Vec4]) -> Vec<Vec4> {
-    let one = |(bare, added): (&Vec4, &Vec4)| {
-        let bare = bare.truncate();
-        (bare + added.truncate()).try_normalize().unwrap_or(bare).extend(1.0)
-    };
-    bare.par_iter().zip(added).map(one).collect()
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assign::choose_frames;
+    use crate::colors::{ChannelTopology, Cuts, Resolutions};
+    use crate::mesh::{Polygons, build};
+
+    /// Row by row as point by point; and what was taken comes back.
+    #[test]
+    fn samples_lose_and_regain_the_normals_of_the_mesh() {
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y, Vec3::new(2.0, 0.5, 0.0)];
+        let mut faces = [([0, 1, 2, 3], 4), ([1, 4, 2, 0], 3)].into_iter();
+        let canvas = build([Polygons { mesh: 0, primitive: 0, positions: &positions, faces: &mut faces }]);
+        let at_vertex =
+            |vertex: u32| Vec3::new((vertex as f32).sin(), (vertex as f32 * 2.0).cos(), 1.0).normalize();
+        let normals: Vec<_> = canvas.faces.iter().map(|face| face.vertices.map(at_vertex)).collect();
+        let frames = choose_frames(&canvas, &normals, |_| None, 1.0);
+        let resolutions = Resolutions { faces: vec![3, 3] };
+        let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
+        let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
+        let mut values = vec![Vec4::W; numbering.sample_count()];
+        take_bare(&numbering, &frames, &mut values);
+        for (face, canvas_face) in canvas.faces.iter().enumerate() {
+            for (i, j) in (0..=8).flat_map(|j| (0..=8).map(move |i| (i, j))) {
+                if canvas_face.is_triangle() && i + j > 8 {
+                    continue;
+                }
+                let (of, weights) = surface_point(canvas_face.count(), i as f32 / 8.0, j as f32 / 8.0);
+                let bare = (0..3).map(|k| normals[face][of[k]] * weights[k]).sum::<Vec3>().normalize();
+                let taken = numbering.tap(face, i, j).value(&values);
+                assert!((taken + bare.extend(-1.0)).length() < 1e-6, "face {face}, {i} {j}: {taken}, {bare}");
+            }
+        }
+        let mut added = vec![Vec4::ZERO; numbering.sample_count()];
+        show(&numbering, &frames, &mut added);
+        for (shown, taken) in added.iter().zip(&values) {
+            assert!((*shown + taken.with_w(-1.0)).length() < 1e-6, "{shown} {taken}");
+        }
+    }
 }
 
 #[cfg(test)]

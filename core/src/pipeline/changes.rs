@@ -17,14 +17,12 @@ impl Changes {
 
     /// Of `count` samples, those that are not in `changes` having none.
     pub fn among(mut changes: Vec<f64>, count: usize) -> Self {
-        changes.sort_unstable_by(f64::total_cmp);
+        let mean_codes = changes.iter().sum::<f64>() / count.max(1) as f64;
+        let max_codes = changes.iter().copied().fold(0.0, f64::max);
         let above = count - (count * 95).div_ceil(100);
-        let p95 = changes.len().checked_sub(above + 1).map_or(0.0, |at| changes[at]);
-        Self {
-            mean_codes: changes.iter().sum::<f64>() / count.max(1) as f64,
-            p95_codes: p95,
-            max_codes: changes.last().copied().unwrap_or(0.0),
-        }
+        let p95 = changes.len().checked_sub(above + 1);
+        let p95_codes = p95.map_or(0.0, |at| *changes.select_nth_unstable_by(at, f64::total_cmp).1);
+        Self { mean_codes, p95_codes, max_codes }
     }
 }
 

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use glam::Vec4;
+
 use crate::asset::Slot;
 use crate::assign::{
     Codec, LevelChannel, LevelValues, NormalFrames, Range, Rounding, Storing, choose_range, paint, read_back,
@@ -18,7 +20,7 @@ use crate::solve::Solver;
 use crate::source::SourceChannel;
 use crate::watch::{Stage, Watch};
 
-use super::bare_normals::{bare_normals, shown};
+use super::bare_normals::{show, take_bare};
 use super::changes::Changes;
 use super::represent::represent;
 
@@ -55,16 +57,77 @@ pub struct FinishedChannel {
     pub keeps_coverage: bool,
 }
 
+/// Buffers for the samples of levels, which go from channel to channel: fresh memory costs as much as what is
+/// worked out in it.
+#[derive(Default)]
+pub struct Rooms {
+    /// For level 0, and for odd and even ones after it.
+    by_level: [Vec<Vec4>; 3],
+}
+
+impl Rooms {
+    pub fn take(&mut self, level: usize) -> Vec<Vec4> {
+        std::mem::take(self.of(level))
+    }
+
+    fn give_back(&mut self, level: usize, room: Vec<Vec4>) {
+        *self.of(level) = room;
+    }
+
+    fn of(&mut self, level: usize) -> &mut Vec<Vec4> {
+        &mut self.by_level[if level == 0 { 0 } else { 2 - level % 2 }]
+    }
+}
+
 /// Builds, solves and paints every level. `samples` and their `numbering` are those of level 0.
 pub fn finish_channel(
     input: ChannelInput<'_>,
     mut numbering: LevelNumbering<'_>,
     samples: Samples,
+    rooms: &mut Rooms,
     watch: &dyn Watch,
 ) -> Result<FinishedChannel> {
-    let codec = codec(input.channel);
-    let by_alpha = input.channel.is_alpha_weighted();
-    let mut finished = FinishedChannel {
+    let mut finished = unfinished(&input, samples.fit);
+    let (canvas, topology) = (numbering.canvas, numbering.topology);
+    let mut values = samples.values;
+    if let Some(frames) = input.frames {
+        take_bare(&numbering, frames, &mut values);
+    }
+    let rungs =
+        Rungs { filter: input.mip, beyond: input.beyond, by_alpha: input.channel.is_alpha_weighted() };
+    let mut wanted_coverage = 0.0;
+    for level in 0.. {
+        watch.stage(Stage::Mip);
+        // Before the solver touches this level's samples: those of the next come from what was wanted.
+        let mut next = None;
+        if level + 1 < input.layout.level_count() {
+            let coarse = LevelNumbering::new(canvas, topology, input.resolutions, level + 1);
+            let room = rooms.take(level + 1);
+            let coarse_values = coarsen([&numbering, &coarse], &values, room, rungs, watch)?;
+            next = Some((coarse, coarse_values));
+        }
+        if let Some(frames) = input.frames {
+            show(&numbering, frames, &mut values);
+        }
+        if let Some(cutoff) = input.mask_cutoff {
+            if level == 0 {
+                wanted_coverage = coverage(&numbering, &values, cutoff, watch)?;
+            } else {
+                keep_coverage(&numbering, &mut values, (cutoff, wanted_coverage), watch)?;
+            }
+        }
+        let values_left = finish_level(&input, &numbering, values, &mut finished, watch)?;
+        rooms.give_back(level, values_left);
+        let Some(coarse) = next else { break };
+        (numbering, values) = coarse;
+    }
+    finished.cuts = input.cuts;
+    Ok(finished)
+}
+
+/// A channel without levels.
+fn unfinished(input: &ChannelInput<'_>, fit: Option<Fit>) -> FinishedChannel {
+    FinishedChannel {
         slots: input.channel.slots.clone(),
         transfer: input.channel.transfer,
         cuts: Cuts { edges: Vec::new() },
@@ -72,63 +135,48 @@ pub fn finish_channel(
         ranges: BTreeMap::new(),
         sample_counts: Vec::new(),
         solver: Vec::new(),
-        fit: samples.fit,
+        fit,
         stored: Vec::new(),
-        is_alpha_weighted: by_alpha,
+        is_alpha_weighted: input.channel.is_alpha_weighted(),
         keeps_coverage: input.mask_cutoff.is_some(),
+    }
+}
+
+/// Solves and paints one level; hands its samples back, which are of no more use but for their memory.
+fn finish_level(
+    input: &ChannelInput<'_>,
+    numbering: &LevelNumbering<'_>,
+    wanted: Vec<Vec4>,
+    finished: &mut FinishedChannel,
+    watch: &dyn Watch,
+) -> Result<Vec<Vec4>> {
+    watch.stage(Stage::Assign);
+    let level = numbering.level;
+    let level_channel = LevelChannel {
+        layout: input.layout,
+        numbering,
+        cuts: &input.cuts,
+        codec: codec(input.channel),
+        frames: input.frames,
     };
-    let (canvas, topology) = (numbering.canvas, numbering.topology);
-    let mut values = samples.values;
-    let mut bare = input.frames.map(|frames| bare_normals(&numbering, frames));
-    for (value, bare) in values.iter_mut().zip(bare.iter().flatten()) {
-        *value -= *bare;
-    }
-    let rungs = Rungs { filter: input.mip, beyond: input.beyond, by_alpha };
-    let mut wanted_coverage = 0.0;
-    for level in 0..input.layout.level_count() {
-        watch.stage(Stage::Mip);
-        if level > 0 {
-            let coarse = LevelNumbering::new(canvas, topology, input.resolutions, level);
-            values = coarsen(&numbering, &coarse, &values, rungs, watch)?;
-            numbering = coarse;
-            bare = input.frames.map(|frames| bare_normals(&numbering, frames));
-        }
-        let mut wanted = bare.as_ref().map_or_else(|| values.clone(), |bare| shown(bare, &values));
-        if let Some(cutoff) = input.mask_cutoff {
-            if level == 0 {
-                wanted_coverage = coverage(&numbering, &wanted, cutoff, watch)?;
-            } else {
-                keep_coverage(&numbering, &mut wanted, (cutoff, wanted_coverage), watch)?;
-            }
-        }
+    let mut wanted = LevelValues::new(wanted, numbering.topology.fan_count());
+    let range = choose_range(&level_channel, &wanted, input.range, watch)?;
+    if range.is_none() {
+        let rules = rules(&level_channel);
+        watch.stage(Stage::Solve);
+        finished.solver.extend(represent(&level_channel, &rules, &mut wanted, input.solver, watch)?);
         watch.stage(Stage::Assign);
-        let level_channel = LevelChannel {
-            layout: input.layout,
-            numbering: &numbering,
-            cuts: &input.cuts,
-            codec,
-            frames: input.frames,
-        };
-        let mut wanted = LevelValues::new(wanted, topology.fan_count());
-        let range = choose_range(&level_channel, &wanted, input.range, watch)?;
-        if range.is_none() {
-            let rules = rules(&level_channel);
-            watch.stage(Stage::Solve);
-            finished.solver.extend(represent(&level_channel, &rules, &mut wanted, input.solver, watch)?);
-            watch.stage(Stage::Assign);
-        }
-        let storing = Storing { rounding: input.rounding, range };
-        let image = paint(&level_channel, &wanted, storing, watch)?;
-        if let Some(range) = range {
-            let changes = read_back(&level_channel, &wanted, &image, &range);
-            finished.stored.push(stored_report(level, range.name(), &Changes::new(changes)));
-            finished.ranges.insert(level, range);
-        }
-        finished.levels.push(image);
-        finished.sample_counts.push(numbering.sample_count() as u64);
     }
-    finished.cuts = input.cuts;
-    Ok(finished)
+    let storing = Storing { rounding: input.rounding, range };
+    let image = paint(&level_channel, &wanted, storing, watch)?;
+    if let Some(range) = range {
+        let changes = read_back(&level_channel, &wanted, &image, &range);
+        finished.stored.push(stored_report(level, range.name(), &Changes::new(changes)));
+        finished.ranges.insert(level, range);
+    }
+    finished.levels.push(image);
+    finished.sample_counts.push(numbering.sample_count() as u64);
+    Ok(wanted.samples)
 }
 
 fn stored_report(level: usize, range: &str, changes: &Changes) -> StoredReport {

@@ -14,7 +14,7 @@ use crate::source::tangents::corner_normals;
 use crate::source::{ChannelKind, SourceChannel, SurfaceSource, channels};
 use crate::watch::{Stage, Watch};
 
-use super::channel::{ChannelInput, FinishedChannel, finish_channel};
+use super::channel::{ChannelInput, FinishedChannel, Rooms, finish_channel};
 use super::options::Options;
 use super::progress::Progress;
 
@@ -67,11 +67,12 @@ pub fn convert_material(
     let layout = arrange(&request)?;
     let frames = normals.map(|normals| frames_of(&canvas, &normals, &layout, &source_channels));
     let mut finished = Vec::with_capacity(sources.len());
+    let mut rooms = Rooms::default();
     for (source, cuts) in sources.iter().zip(cuts) {
         let topology = ChannelTopology::new(&canvas, &resolutions, &cuts);
         let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
         watch.stage(Stage::Resample);
-        let samples = sample(source, &numbering, options.sampling, watch)?;
+        let samples = sample(source, &numbering, rooms.take(0), options.sampling, watch)?;
         let input = ChannelInput {
             channel: source.channel,
             resolutions: &resolutions,
@@ -85,7 +86,7 @@ pub fn convert_material(
             range: options.range,
             rounding: options.rounding,
         };
-        finished.push(finish_channel(input, numbering, samples, watch)?);
+        finished.push(finish_channel(input, numbering, samples, &mut rooms, watch)?);
         progress.advance(0.8 / sources.len() as f32);
     }
     drop(sources);

@@ -4,7 +4,7 @@ use glam::{Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
 use crate::assign::{LevelChannel, LevelValues, Rules};
-use crate::colors::sample_areas;
+use crate::colors::SampleAreas;
 use crate::error::{Error, ErrorCode, Result};
 use crate::image::Transfer;
 use crate::math::transfer::linear_to_srgb;
@@ -187,11 +187,13 @@ fn part(
 
 /// The weight of each variable's change: the surface area of its sample, 1 in the mean over all samples.
 fn weights(channel: &LevelChannel<'_>, rules: &Rules) -> Vec<f64> {
-    let areas = sample_areas(channel.numbering);
-    let mean = areas.iter().map(|&area| f64::from(area)).sum::<f64>() / areas.len() as f64;
+    let areas = SampleAreas::new(channel.numbering);
+    let total: f64 = channel.numbering.canvas.faces.iter().map(|face| f64::from(face.area)).sum();
+    let mean = total / channel.numbering.sample_count() as f64;
     // A mesh without any area still has a mean to divide by.
     let mean = if mean > 0.0 { mean } else { 1.0 };
-    let weight = |sample: u32| (f64::from(areas[sample as usize]) / mean).max(WEIGHT_FLOOR);
+    let area = |sample: u32| f64::from(areas.of(channel.numbering, sample as usize));
+    let weight = |sample: u32| (area(sample) / mean).max(WEIGHT_FLOOR);
     let per_sample = if channel.frames.is_some() { 3 } else { 1 };
     rules.variables().iter().map(|variable| weight(variable / per_sample)).collect()
 }

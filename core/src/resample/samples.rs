@@ -41,20 +41,21 @@ pub struct Samples {
     pub fit: Option<Fit>,
 }
 
-/// All samples of level 0.
+/// All samples of level 0, in a buffer that may hold anything.
 pub fn sample(
     source: &SurfaceSource<'_>,
     numbering: &LevelNumbering<'_>,
+    room: Vec<Vec4>,
     sampling: Sampling,
     watch: &dyn Watch,
 ) -> Result<Samples> {
     match sampling {
-        Sampling::Point => Ok(Samples { values: point(source, numbering, watch)?, fit: None }),
+        Sampling::Point => Ok(Samples { values: point(source, numbering, room, watch)?, fit: None }),
         Sampling::Filtered(strata) => {
-            Ok(Samples { values: filtered(source, numbering, strata, watch)?, fit: None })
+            Ok(Samples { values: filtered(source, numbering, room, strata, watch)?, fit: None })
         }
         Sampling::Fitted => {
-            let start = point(source, numbering, watch)?;
+            let start = point(source, numbering, room, watch)?;
             let (values, fit) = fit(source, numbering, start, watch)?;
             Ok(Samples { values, fit: Some(fit) })
         }
@@ -62,9 +63,14 @@ pub fn sample(
 }
 
 /// The source at every sample; at a shared one the mean of what its faces see.
-fn point(source: &SurfaceSource<'_>, numbering: &LevelNumbering<'_>, watch: &dyn Watch) -> Result<Vec<Vec4>> {
+fn point(
+    source: &SurfaceSource<'_>,
+    numbering: &LevelNumbering<'_>,
+    room: Vec<Vec4>,
+    watch: &dyn Watch,
+) -> Result<Vec<Vec4>> {
     let by_alpha = source.channel.is_alpha_weighted();
-    gathered(source, numbering, true, |room, face, interior, border| {
+    gathered(source, numbering, room, true, |room, face, interior, border| {
         let shape = Shape::of(numbering, face);
         let n = shape.segments;
         room.reader.open(source, numbering.canvas, face, n);
@@ -107,11 +113,12 @@ fn fetch_band(source: &SurfaceSource<'_>, room: &mut Quadrature, shape: Shape, [
 fn filtered(
     source: &SurfaceSource<'_>,
     numbering: &LevelNumbering<'_>,
+    room: Vec<Vec4>,
     strata: Option<u8>,
     watch: &dyn Watch,
 ) -> Result<Vec<Vec4>> {
     let by_alpha = source.channel.is_alpha_weighted();
-    let mut values = gathered(source, numbering, false, |room, face, interior, border| {
+    let mut values = gathered(source, numbering, room, false, |room, face, interior, border| {
         let shape = Shape::of(numbering, face);
         let strata = strata.map_or_else(|| strata_of(source, numbering, face), u32::from);
         let subject = Subject { source, numbering, face, strata, by_alpha, watch };
@@ -143,10 +150,11 @@ pub fn strata_of(source: &SurfaceSource<'_>, numbering: &LevelNumbering<'_>, fac
 fn gathered(
     source: &SurfaceSource<'_>,
     numbering: &LevelNumbering<'_>,
+    room: Vec<Vec4>,
     is_point: bool,
     fill: impl Fn(&mut Quadrature, usize, &mut [Vec4], &mut [Vec4]) -> Result<()> + Sync,
 ) -> Result<Vec<Vec4>> {
-    let mut values = vec![Vec4::ZERO; numbering.sample_count()];
+    let mut values = numbering.values_in(room);
     let (shared, inner) = values.split_at_mut(numbering.shared_count());
     let mut borders = Borders::new(numbering);
     let faces = interiors(numbering, inner).into_par_iter().zip(borders.parts()).enumerate();

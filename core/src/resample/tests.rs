@@ -53,7 +53,7 @@ fn samples(asset: &Asset, exponent: u8, kernel: Sampling) -> (Vec<Vec4>, Cuts) {
     let resolutions = Resolutions { faces: vec![exponent; 2] };
     let topology = ChannelTopology::new(&canvas, &resolutions, &cuts);
     let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
-    (sample(&source, &numbering, kernel, &Unwatched).unwrap().values, cuts)
+    (sample(&source, &numbering, Vec::new(), kernel, &Unwatched).unwrap().values, cuts)
 }
 
 const LEFT: [[f32; 2]; 3] = [[0.1, 0.1], [0.4, 0.1], [0.1, 0.4]];
@@ -173,14 +173,15 @@ fn large_faces_are_read_as_small_ones() {
         let resolutions = Resolutions { faces: vec![6; 2] };
         let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
         let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
-        let point = sample(&source, &numbering, Sampling::Point, &Unwatched).unwrap().values;
+        let point = sample(&source, &numbering, Vec::new(), Sampling::Point, &Unwatched).unwrap().values;
         for (i, j) in (1..64).flat_map(|j| (1..64 - j).map(move |i| (i, j))) {
             let found = point[numbering.tap(0, i, j).samples[0] as usize];
             let wanted = source.at(&canvas, 0, i as f32 / 64.0, j as f32 / 64.0);
             assert!((found - wanted).abs().max_element() < 3e-4, "{i} {j}: {found}, {wanted}");
         }
-        let [coarse, fine] = [4, 16]
-            .map(|k| sample(&source, &numbering, Sampling::Filtered(Some(k)), &Unwatched).unwrap().values);
+        let [coarse, fine] = [4, 16].map(|k| {
+            sample(&source, &numbering, Vec::new(), Sampling::Filtered(Some(k)), &Unwatched).unwrap().values
+        });
         let worst = coarse.iter().zip(&fine).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max);
         assert!(worst > 0.0 && worst < 0.05, "{worst}");
     }

@@ -10,7 +10,7 @@ pub(super) enum Sheet<'a> {
     Codes8(&'a mut [u8]),
     Codes16(&'a mut [u16]),
     /// Nowhere: the least and the largest value by component are noted.
-    Extent(&'a mut [[Vec4; 2]]),
+    Extent(&'a mut [Vec4; 2]),
 }
 
 /// The texel rows from `first_row` on.
@@ -32,11 +32,9 @@ impl Band<'_> {
         match &mut self.sheet {
             Sheet::Codes8(codes) => write_line8(&self.codec.plain, codes, line),
             Sheet::Codes16(codes) => write_line16(&self.codec, codes, line),
-            Sheet::Extent(extents) => {
-                for [low, high] in extents.iter_mut() {
-                    *low = line.values.iter().fold(*low, |low, value| low.min(*value));
-                    *high = line.values.iter().fold(*high, |high, value| high.max(*value));
-                }
+            Sheet::Extent([low, high]) => {
+                *low = line.values.iter().fold(*low, |low, value| low.min(*value));
+                *high = line.values.iter().fold(*high, |high, value| high.max(*value));
             }
         }
     }

@@ -18,10 +18,12 @@ impl Painter<'_> {
         let cell = BeyondCell::new(self.channel, block, first_face);
         // One texel more than the bilinear footprint: a corner that stands exactly on its far side may be
         // rounded across.
+        let mut values = [[Vec4::ZERO; 3]; 3];
         for dy in 0..cell.columns_rows[1] {
             for dx in 0..cell.columns_rows[0] {
-                let texel = band.texel(cell.first[0] + dx, cell.first[1] + dy);
-                band.put(texel, extrapolated(&corners, cell.at(dx, dy)));
+                let value = extrapolated(&corners, cell.at(dx, dy));
+                values[dy as usize][dx as usize] = value;
+                band.put(band.texel(cell.first[0] + dx, cell.first[1] + dy), value);
             }
         }
         if self.rounding == Rounding::Rules
@@ -29,7 +31,7 @@ impl Painter<'_> {
         {
             let steps = [(0, 0), (1, 0), (0, 1), (1, 1)];
             let texels = steps.map(|(dx, dy)| band.texel(cell.first[0] + dx, cell.first[1] + dy));
-            band.put_cell(texels, &steps.map(|(dx, dy)| extrapolated(&corners, cell.at(dx, dy))), &between);
+            band.put_cell(texels, &[values[0][0], values[0][1], values[1][0], values[1][1]], &between);
         }
     }
 
@@ -103,16 +105,16 @@ fn extrapolated(corners: &[[Option<DVec4>; 2]; 2], at: DVec2) -> Vec4 {
     (base + changes.sum::<DVec4>()).as_vec4()
 }
 
-/// Weights of the corners of the unit square at a point, four or the three that are there.
-pub(in crate::assign) fn corner_weights(there: [[bool; 2]; 2], at: DVec2) -> Vec<([usize; 2], f64)> {
+/// Weights of the corners of the unit square at a point, 0 of one that is not there.
+pub(in crate::assign) fn corner_weights(there: [[bool; 2]; 2], at: DVec2) -> [([usize; 2], f64); 4] {
     let all = [[0, 0], [1, 0], [0, 1], [1, 1]];
     let Some(missing) = all.into_iter().find(|&[x, y]| !there[y][x]) else {
         let axis = |k: usize, v: f64| if k == 1 { v } else { 1.0 - v };
-        return all.into_iter().map(|[x, y]| ([x, y], axis(x, at.x) * axis(y, at.y))).collect();
+        return all.map(|[x, y]| ([x, y], axis(x, at.x) * axis(y, at.y)));
     };
     // Measured from the right angle, which is opposite to what is missing.
     let [rx, ry] = [1 - missing[0], 1 - missing[1]];
     let along = |corner: usize, v: f64| if corner == 1 { 1.0 - v } else { v };
     let (a, b) = (along(rx, at.x), along(ry, at.y));
-    vec![([rx, ry], 1.0 - a - b), ([1 - rx, ry], a), ([rx, 1 - ry], b)]
+    [([rx, ry], 1.0 - a - b), ([1 - rx, ry], a), ([rx, 1 - ry], b), (missing, 0.0)]
 }

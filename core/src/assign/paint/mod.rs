@@ -114,20 +114,26 @@ impl Painter<'_> {
     }
 
     fn paint_row(&self, band: &mut Band<'_>, blocks: &[Block], scratch: &mut Scratch) {
-        for block in blocks {
-            let (first, second) = block.kind.faces();
-            let is_beyond = block.segments >> self.channel.numbering.level == 0;
-            let is_lone = matches!(block.kind, BlockKind::Lone(_) | BlockKind::Twins(_));
-            if is_beyond && !is_lone {
-                self.extrapolate(band, block, &[Some(first), second]);
-                continue;
-            }
-            for face in std::iter::once(first).chain(second) {
-                if is_beyond {
-                    self.extrapolate(band, block, &[Some(face)]);
-                } else {
-                    self.copy(band, block, face as usize, scratch);
-                }
+        blocks.iter().for_each(|block| self.paint_block(band, block, scratch));
+    }
+
+    fn is_beyond(&self, block: &Block) -> bool {
+        block.segments >> self.channel.numbering.level == 0
+    }
+
+    fn paint_block(&self, band: &mut Band<'_>, block: &Block, scratch: &mut Scratch) {
+        let (first, second) = block.kind.faces();
+        let is_beyond = self.is_beyond(block);
+        let is_lone = matches!(block.kind, BlockKind::Lone(_) | BlockKind::Twins(_));
+        if is_beyond && !is_lone {
+            self.extrapolate(band, block, &[Some(first), second]);
+            return;
+        }
+        for face in std::iter::once(first).chain(second) {
+            if is_beyond {
+                self.extrapolate(band, block, &[Some(face)]);
+            } else {
+                self.copy(band, block, face as usize, scratch);
             }
         }
     }

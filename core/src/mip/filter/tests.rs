@@ -2,7 +2,6 @@ use glam::{DVec4, Vec3, Vec4};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-use crate::colors::sample_areas;
 use crate::mip::tests::{Case, PLAIN, Random, canvas, sheet};
 use crate::mip::{Beyond, MipFilter, Rungs};
 
@@ -50,8 +49,7 @@ fn a_finer_face_counts_for_its_area() {
 
 /// The sum of area times color, and of area.
 fn integral(case: &Case, level: usize, samples: &[Vec4]) -> (DVec4, f64) {
-    let topology = case.topology();
-    let areas = sample_areas(&case.level(&topology, level));
+    let areas = case.areas(level);
     let sum = areas.iter().zip(samples).map(|(&area, value)| value.as_dvec4() * f64::from(area)).sum();
     (sum, areas.iter().map(|&area| f64::from(area)).sum())
 }

@@ -2,7 +2,6 @@ use glam::{Vec3, Vec4};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-use crate::colors::sample_areas;
 use crate::mip::tests::{BY_ALPHA, Case, PLAIN, RUNGS, Random, canvas, fan, sheet};
 use crate::mip::{Beyond, Rungs};
 
@@ -79,8 +78,7 @@ fn noisy(random: &mut Random, places: &[Vec3], blocks_per_unit: f32) -> Vec<Vec4
 /// both rungs: (one-ring, heat).
 fn errors(case: &Case, samples: &[Vec4], level: usize, spread: f64, is_sphere: bool) -> [[f64; 2]; 2] {
     let places = places(case);
-    let topology = case.topology();
-    let areas = sample_areas(&case.level(&topology, 0));
+    let areas = case.areas(0);
     let total: f32 = case.canvas.faces.iter().map(|face| face.area).sum();
     let cells = case.canvas.faces.iter().map(|face| if face.is_triangle() { 0.5 } else { 1.0 }).sum::<f64>();
     let variance = spread * (4f64.powi(level as i32) - 1.0) / 3.0 * f64::from(total) / cells;
@@ -202,8 +200,7 @@ fn the_last_level_is_the_mean_of_what_hangs_together() {
     let mut random = Random(9);
     let case = sheet(&mut random, 5, 0.2, 1);
     let samples = random.colors(case.sample_count());
-    let topology = case.topology();
-    let areas = sample_areas(&case.level(&topology, 0));
+    let areas = case.areas(0);
     let mean = samples.iter().zip(&areas).map(|(v, a)| *v * *a).sum::<Vec4>() / areas.iter().sum::<f32>();
     let last = &case.levels(&samples, HEAT, 20)[20];
     assert!(last.iter().all(|value| (*value - mean).abs().max_element() < 1e-5), "{last:?}, not {mean}");

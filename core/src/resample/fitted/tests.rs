@@ -133,8 +133,8 @@ fn a_representable_source_comes_back() {
     let asset = patch(wide(|x, y| (4000 + 2000 * x + 1500 * y) as u16), Slot::MetallicRoughness);
     for exponents in [EXPONENTS, [6, 6, 6], [0, 0, 0]] {
         with_numbering(&asset, exponents, |source, numbering| {
-            let point = sample(source, numbering, Sampling::Point, &Unwatched).unwrap().values;
-            let fitted = sample(source, numbering, Sampling::Fitted, &Unwatched).unwrap();
+            let point = sample(source, numbering, Vec::new(), Sampling::Point, &Unwatched).unwrap().values;
+            let fitted = sample(source, numbering, Vec::new(), Sampling::Fitted, &Unwatched).unwrap();
             assert!(fitted.fit.unwrap().is_converged());
             let nothing = vec![Vec4::ZERO; point.len()];
             let (from_nothing, fit) = fit(source, numbering, nothing, &Unwatched).unwrap();
@@ -182,7 +182,7 @@ fn fitted_is_nearest_and_in_range() {
     for image in [wide(noise), checker] {
         let asset = patch(image, Slot::MetallicRoughness);
         with_numbering(&asset, EXPONENTS, |source, numbering| {
-            let of = |rung| sample(source, numbering, rung, &Unwatched).unwrap();
+            let of = |rung| sample(source, numbering, Vec::new(), rung, &Unwatched).unwrap();
             let [point, filtered, fitted] =
                 [Sampling::Point, Sampling::Filtered(Some(4)), Sampling::Fitted].map(of);
             let [a, b, c] = [&point, &filtered, &fitted].map(|s| error(source, numbering, &s.values));
@@ -199,7 +199,7 @@ fn what_is_transparent_does_not_tint_a_fit() {
     let image = Image { width: 16, height: 16, components: 4, pixels: Pixels::U8(pixels) };
     let asset = patch(image, Slot::BaseColor);
     with_numbering(&asset, [3, 3, 3], |source, numbering| {
-        let fitted = sample(source, numbering, Sampling::Fitted, &Unwatched).unwrap();
+        let fitted = sample(source, numbering, Vec::new(), Sampling::Fitted, &Unwatched).unwrap();
         assert!(fitted.fit.is_some_and(|fit: Fit| fit.is_converged()));
         let opaque = crate::math::transfer::srgb_to_linear(40.0 / 255.0);
         let shown: Vec<_> = fitted.values.iter().filter(|value| value.w > 0.99).collect();
@@ -216,7 +216,7 @@ fn threads_do_not_change_a_bit() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             with_numbering(&asset, [6, 5, 6], |source, numbering| {
-                sample(source, numbering, Sampling::Fitted, &Unwatched).unwrap().values
+                sample(source, numbering, Vec::new(), Sampling::Fitted, &Unwatched).unwrap().values
             })
         })
     };
