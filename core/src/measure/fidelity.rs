@@ -10,7 +10,7 @@ use super::origin::Origin;
 use super::points::SurfacePoint;
 use super::report::Fidelity;
 use super::seams::Converted;
-use super::texels::{CLAMPED, Texels, stored_components};
+use super::texels::{Texels, stored_components};
 use super::yardstick::{Extent, Yardstick};
 use crate::image::Pixels;
 
@@ -50,8 +50,7 @@ pub fn fidelity(
         origin,
         converted,
         source: origin.texels(origin.image),
-        level: Texels::new(finest, converted.meaning.transfer(), CLAMPED)
-            .in_range(converted.texture.ranges.get(&0)),
+        level: converted.texels(0),
         yardstick: Yardstick::new(origin, area_texels, finest.texel_count(), bits),
     };
     let chunks: Vec<[Errors; 2]> = points.par_chunks(CHUNK).map(|points| comparison.errors(points)).collect();

@@ -3,7 +3,7 @@
 //! [average](super::averages) of the full-resolution source.
 //!
 //! Means are taken in the space that the channel is filtered in: linear light weighted by alpha, data as
-//! it is, normals as vectors in object space. Nothing is averaged across a cut of the channel.
+//! it is, normals as what the map adds to those of the mesh. Nothing is averaged across a cut of the channel.
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ use super::points::SurfacePoint;
 use super::report::MipError;
 use super::seams::Converted;
 use super::surface::Surface;
-use super::texels::{CLAMPED, Texels, stored_components};
+use super::texels::{Texels, stored_components};
 
 /// Probes handled in one go.
 const CHUNK: usize = 16;
@@ -105,15 +105,15 @@ impl Comparison<'_> {
         let Some(halves) = self.average(point, around, marks) else { return };
         let part = &self.converted.surface.parts[point.part as usize];
         let triangle = point.triangle as usize;
-        let texels =
-            Texels::new(&self.converted.texture.levels[level], self.converted.meaning.transfer(), CLAMPED);
-        let shown = texels.bilinear(part.placed[triangle].place_at(point.at, level));
+        let shown = self.converted.texels(level).bilinear(part.placed[triangle].place_at(point.at, level));
         let whole = halves[0] + halves[1];
         if let Meaning::Normal { scale } = self.origin.meaning {
             let Some(frames) = part.frames().get(triangle) else { return };
             let shown = object_normal(shown, scale, &interpolated(frames, point.at));
-            let Some(wanted) = whole.sum.truncate().try_normalize() else { return };
-            let [a, b] = halves.map(|half| half.sum.truncate().normalize_or(wanted));
+            let Some(own) = self.origin.corner_frames(point.part as usize, triangle) else { return };
+            let bare = interpolated(own, point.at).normal.normalize_or_zero();
+            let Some(wanted) = (bare + whole.mean().truncate()).try_normalize() else { return };
+            let [a, b] = halves.map(|half| (bare + half.mean().truncate()).normalize_or(wanted));
             errors.add(degrees_between(wanted, shown), 0.5 * degrees_between(a, b));
             errors.probe_count += 1;
             return;
@@ -160,14 +160,16 @@ impl Comparison<'_> {
         self.origin.meaning == Meaning::Color && matches!(self.origin.components, 2 | 4)
     }
 
-    /// The source at a point of the surface: what is filtered, or an object-space normal.
+    /// The source at a point of the surface: what is filtered; of a normal map what it adds to the mesh's own
+    /// normal, in object space.
     fn value(&self, triangle: u32, at: Vec3) -> Vec4 {
         let (part, triangle) = self.graph.place(triangle);
         let vertices = self.converted.surface.parts[part].triangles[triangle];
         let value = self.source.bilinear(self.origin.place(part, vertices, at, self.source.size_texels()));
         match (self.origin.meaning, self.origin.corner_frames(part, triangle)) {
             (Meaning::Normal { scale }, Some(frames)) => {
-                object_normal(value, scale, &interpolated(frames, at)).extend(1.0)
+                let frame = interpolated(frames, at);
+                (object_normal(value, scale, &frame) - frame.normal.normalize_or_zero()).extend(1.0)
             }
             _ => Vec4::from(value),
         }

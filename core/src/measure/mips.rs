@@ -33,7 +33,7 @@ pub fn halved(image: &Image, transfer: Transfer) -> Option<Image> {
         components,
         decode,
     };
-    let is_even = image.width % 2 == 0 && image.height % 2 == 0;
+    let is_even = image.width.is_multiple_of(2) && image.height.is_multiple_of(2);
     let pixels = match &image.pixels {
         Pixels::U8(codes) if is_even && transfer == Transfer::Linear => {
             Pixels::U8(quartered(codes, shrink.row_codes, components, |_, [a, b, c, d]| {

@@ -55,13 +55,14 @@ impl Converted<'_> {
     }
 
     fn judge(&self, level: usize) -> Judge<'_> {
-        let image = &self.texture.levels[level];
-        Judge {
-            texels: Texels::new(image, self.meaning.transfer(), CLAMPED)
-                .in_range(self.texture.ranges.get(&level)),
-            meaning: self.meaning,
-            components: image.components,
-        }
+        let components = self.texture.levels[level].components;
+        Judge { texels: self.texels(level), meaning: self.meaning, components }
+    }
+
+    /// A level as it is sampled.
+    pub fn texels(&self, level: usize) -> Texels<'_> {
+        Texels::new(&self.texture.levels[level], self.meaning.transfer(), CLAMPED)
+            .in_range(self.texture.ranges.get(&level))
     }
 
     /// Both sides of a pair, in the direction of the first.

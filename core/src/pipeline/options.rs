@@ -135,7 +135,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         follows_quality: true,
         rungs: &names::<_, 3>(RANGES),
         allowed: "unorm8 (codes as the source has them), scaled16 (16 bits with a scale and a bias), float16",
-        doc: "How levels beyond vertex colors are stored where more than 5 % of their texels there leave [0, 1]",
+        doc: "How levels are stored where texels beyond vertex colors leave [0, 1], more than 5 % of the count of samples",
     },
     OptionSpec {
         name: "rounding",

@@ -23,7 +23,7 @@ const TRIANGLE_POINTS: [[f32; 2]; 6] = [
     [5.0 / 6.0, 1.0 / 3.0],
 ];
 /// `(1 ± 1/√3) / 2`.
-const GAUSS: [f32; 2] = [0.211_324_87, 0.788_675_13];
+const GAUSS: [f32; 2] = [0.211_324_87, 0.788_675_1];
 const QUAD_POINTS: [[f32; 2]; 4] =
     [[GAUSS[0], GAUSS[0]], [GAUSS[1], GAUSS[0]], [GAUSS[0], GAUSS[1]], [GAUSS[1], GAUSS[1]]];
 

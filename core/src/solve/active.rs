@@ -119,9 +119,9 @@ impl ActiveSet<'_> {
             }
             own += length;
             self.move_by(bound, length);
-            for at in 0..pulls.len() {
-                self.multipliers[at] -= length * pulls[at];
-                self.move_by(self.bounds[at], -length * pulls[at]);
+            for (at, pull) in pulls.iter().enumerate() {
+                self.multipliers[at] -= length * pull;
+                self.move_by(self.bounds[at], -length * pull);
             }
             let Some(at) = leaving else {
                 if self.bounds.len() >= ACTIVE_MAX {

@@ -283,11 +283,11 @@ impl<'a> Iterate<'a> {
         self.island.add_transposed((0..self.island.row_count()).map(pull), &mut room.right);
         self.refined(matrix, room, &mut out.values);
         self.island.apply(&out.values, &mut out.rows);
-        for side in 0..2 {
+        for (side, sign) in SIGNS.into_iter().enumerate() {
             let multipliers = &mut out.multipliers[side];
             multipliers.clear();
             multipliers.extend(out.rows.iter().enumerate().map(|(row, by)| {
-                let back = product(side, row) + self.multipliers[side][row] * SIGNS[side] * by;
+                let back = product(side, row) + self.multipliers[side][row] * sign * by;
                 -back / self.slack[side][row]
             }));
         }
@@ -321,8 +321,8 @@ impl<'a> Iterate<'a> {
     /// How far slack and multipliers stay above zero, at most 1.
     fn reach(&self, direction: &Direction) -> f64 {
         let mut reach = 1.0 / CAUTION;
-        for side in 0..2 {
-            let slack = self.slack[side].iter().zip(direction.rows.iter().map(|by| SIGNS[side] * by));
+        for (side, sign) in SIGNS.into_iter().enumerate() {
+            let slack = self.slack[side].iter().zip(direction.rows.iter().map(|by| sign * by));
             let multipliers = self.multipliers[side].iter().zip(direction.multipliers[side].iter().copied());
             for (at, by) in slack.chain(multipliers) {
                 if at + reach * by < 0.0 {
@@ -336,9 +336,9 @@ impl<'a> Iterate<'a> {
     fn complementarity_ahead(&self, direction: &Direction, length: f64) -> f64 {
         let length = length.min(1.0);
         let mut sum = 0.0;
-        for side in 0..2 {
+        for (side, sign) in SIGNS.into_iter().enumerate() {
             for (row, by) in direction.rows.iter().enumerate() {
-                let slack = self.slack[side][row] + length * SIGNS[side] * by;
+                let slack = self.slack[side][row] + length * sign * by;
                 sum += slack * (self.multipliers[side][row] + length * direction.multipliers[side][row]);
             }
         }
@@ -350,8 +350,8 @@ impl<'a> Iterate<'a> {
             at.iter_mut().zip(by).for_each(|(at, by)| *at += length * by);
         };
         add(&mut self.values, &direction.values, length);
-        for side in 0..2 {
-            add(&mut self.slack[side], &direction.rows, SIGNS[side] * length);
+        for (side, sign) in SIGNS.into_iter().enumerate() {
+            add(&mut self.slack[side], &direction.rows, sign * length);
             add(&mut self.multipliers[side], &direction.multipliers[side], length);
         }
         self.update_gradient();

@@ -17,7 +17,7 @@ const BAND_WORK_MAX: usize = 20_000_000;
 
 /// The pattern of an island's matrix, with room for its factor.
 pub enum Matrix {
-    Band(Band),
+    Band(Box<Band>),
     Sparse(Box<Sparse>),
 }
 
@@ -27,7 +27,7 @@ impl Matrix {
         let order = reverse_cuthill_mckee(&neighbors(island));
         let band = Band::new(island, order);
         if band.work() <= BAND_WORK_MAX {
-            return Some(Self::Band(band));
+            return Some(Self::Band(Box::new(band)));
         }
         Some(Self::Sparse(Box::new(Sparse::new(island)?)))
     }

@@ -9,8 +9,40 @@ use crate::assign::codec::{LevelCodec, Line, write_line8, write_line16};
 pub(super) enum Sheet<'a> {
     Codes8(&'a mut [u8]),
     Codes16(&'a mut [u16]),
-    /// Nowhere: the least and the largest value by component are noted.
-    Extent(&'a mut [Vec4; 2]),
+    /// Nowhere: what they are like is noted.
+    Extent(&'a mut Extent),
+}
+
+/// What texels are to hold.
+#[derive(Clone, Copy)]
+pub(super) struct Extent {
+    /// Least and largest value by component.
+    pub low: Vec4,
+    pub high: Vec4,
+    /// Texels with a component outside of [0, 1].
+    pub outside_count: u64,
+}
+
+impl Extent {
+    pub const NOTHING: Self = Self { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY, outside_count: 0 };
+    /// As much outside of [0, 1] is rounding, as the solver sees it.
+    const TOLERANCE: f32 = 1e-6;
+
+    fn add(&mut self, value: Vec4) {
+        self.low = self.low.min(value);
+        self.high = self.high.max(value);
+        let is_outside =
+            value.min_element() < -Self::TOLERANCE || value.max_element() > 1.0 + Self::TOLERANCE;
+        self.outside_count += u64::from(is_outside);
+    }
+
+    pub fn join(self, other: Self) -> Self {
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+            outside_count: self.outside_count + other.outside_count,
+        }
+    }
 }
 
 /// The texel rows from `first_row` on.
@@ -32,10 +64,7 @@ impl Band<'_> {
         match &mut self.sheet {
             Sheet::Codes8(codes) => write_line8(&self.codec.plain, codes, line),
             Sheet::Codes16(codes) => write_line16(&self.codec, codes, line),
-            Sheet::Extent([low, high]) => {
-                *low = line.values.iter().fold(*low, |low, value| low.min(*value));
-                *high = line.values.iter().fold(*high, |high, value| high.max(*value));
-            }
+            Sheet::Extent(extent) => line.values.iter().for_each(|value| extent.add(*value)),
         }
     }
 

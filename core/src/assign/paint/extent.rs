@@ -1,6 +1,5 @@
 //! Which levels ask for a range, and for which: by the values that their texels would store.
 
-use glam::Vec4;
 use rayon::prelude::*;
 
 use crate::error::Result;
@@ -8,17 +7,21 @@ use crate::image::LevelRange;
 use crate::watch::{self, Watch};
 
 use super::Painter;
-use super::band::{Band, Sheet};
+use super::band::{Band, Extent, Sheet};
 use super::up_to_vertex::Scratch;
 use crate::assign::codec::LevelCodec;
 use crate::assign::{LevelChannel, LevelValues, Range, Rounding};
 
-/// As much outside of [0, 1] is rounding, as the solver sees it.
-const TOLERANCE: f32 = 1e-6;
+/// A level is worth a range of its own where it has more texels beyond vertex colors that leave [0, 1] than
+/// this share of its samples. Up to there the solver leaves 95 % of the samples as they are.
+const OUTSIDE_SHARE: f64 = 0.05;
+/// 16 bits that span more than this are too coarse for what shows in between. Faces that ask for more have
+/// slopes that no filter with weights of few bits could follow either: such a level is solved.
+const VALUE_MAX: f32 = 8.0;
 
-/// The range that a level is stored in; `None` where it stays as the source has it: in the bounded
-/// format, where every face is up to its vertex colors, and where all texels lie in [0, 1]. With a range
-/// nothing is to be solved.
+/// The range that a level is stored in; `None` where it stays as the source has it: in the bounded format,
+/// where every face is up to its vertex colors, where few texels leave [0, 1] and where some leave it too
+/// far. With a range nothing is to be solved.
 ///
 /// Level 0 has none: no face is beyond vertex colors there.
 ///
@@ -35,35 +38,32 @@ pub fn choose_range(
     if range == Range::Unorm8 || !channel.layout.blocks.iter().any(|block| painter.is_beyond(block)) {
         return Ok(None);
     }
-    let leaves = |[low, high]: [Vec4; 2]| {
-        let leaves = |&component: &usize| low[component] < -TOLERANCE || high[component] > 1.0 + TOLERANCE;
-        channel.codec.stored().iter().any(leaves)
-    };
-    // Beyond vertex colors are few texels, and the first to leave.
     let beyond = painter.extent(true, watch)?;
-    if range == Range::Float16 && leaves(beyond) {
-        return Ok(Some(LevelRange::Float16));
+    if beyond.outside_count as f64 <= OUTSIDE_SHARE * channel.numbering.sample_count() as f64 {
+        return Ok(None);
     }
-    let all = join(beyond, painter.extent(false, watch)?);
+    // Half floats hold whatever the texels up to vertex colors may be.
+    let all = if range == Range::Float16 { beyond } else { beyond.join(painter.extent(false, watch)?) };
+    if all.low.abs().max(all.high.abs()).max_element() > VALUE_MAX {
+        return Ok(None);
+    }
     Ok(match range {
-        _ if !leaves(all) => None,
         Range::Unorm8 => None,
-        Range::Scaled16 => Some(LevelRange::spanning(all[0], all[1])),
+        Range::Scaled16 => Some(LevelRange::spanning(all.low, all.high)),
         Range::Float16 => Some(LevelRange::Float16),
     })
 }
 
 impl Painter<'_> {
-    /// The least and the largest value of all texels beyond vertex colors, or up to there, by component.
-    fn extent(&self, is_beyond: bool, watch: &dyn Watch) -> Result<[Vec4; 2]> {
-        const NOTHING: [Vec4; 2] = [Vec4::INFINITY, Vec4::NEG_INFINITY];
+    /// What all texels beyond vertex colors are to hold, or those up to there.
+    fn extent(&self, is_beyond: bool, watch: &dyn Watch) -> Result<Extent> {
         let layout = self.channel.layout;
         let width = layout.sizes[self.channel.numbering.level][0] as usize;
         let ends = layout.row_starts[1..].iter().copied().chain([layout.blocks.len()]);
         let rows: Vec<_> = layout.row_starts.iter().copied().zip(ends).collect();
-        let of_row = |scratch: &mut Scratch, (start, end): (usize, usize)| -> Result<[Vec4; 2]> {
+        let of_row = |scratch: &mut Scratch, (start, end): (usize, usize)| -> Result<Extent> {
             watch::check(watch)?;
-            let mut extent = NOTHING;
+            let mut extent = Extent::NOTHING;
             let first_row = layout.blocks[start].corner(self.channel.numbering.level).y as usize;
             let mut band = Band { sheet: Sheet::Extent(&mut extent), codec: self.codec, width, first_row };
             for block in layout.blocks[start..end].iter().filter(|block| self.is_beyond(block) == is_beyond) {
@@ -73,10 +73,6 @@ impl Painter<'_> {
         };
         let extents: Vec<_> =
             rows.into_par_iter().map_init(Scratch::default, of_row).collect::<Result<_>>()?;
-        Ok(extents.into_iter().fold(NOTHING, join))
+        Ok(extents.into_iter().fold(Extent::NOTHING, Extent::join))
     }
-}
-
-fn join([low, high]: [Vec4; 2], [l, h]: [Vec4; 2]) -> [Vec4; 2] {
-    [low.min(l), high.max(h)]
 }
