@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::coarse_weights::Weights;
-use super::figures::{self, FEW_POSITIONS, Jumps, SAMPLES};
+use super::figures::{self, FEW_LIMIT, FEW_POSITIONS, Jumps, SAMPLES};
 use super::report::Unit;
 use super::texels::{Texels, cell_of, encode_codes, mixed, stored_components};
 use crate::finished::Frame;
@@ -137,12 +137,18 @@ impl Judge<'_> {
             let (corners_a, corners_b) = (self.texels.corners(cell_a), self.texels.corners(cell_b));
             let (first_a, first_b) = (middle_of(cell_a), middle_of(cell_b));
             return kinds.map(|(weights, is_wanted)| {
+                let at = |t: f32| {
+                    let left = mixed(&corners_a, weights.place(a.at(t)) - first_a);
+                    let right = mixed(&corners_b, weights.place(b.at(t)) - first_b);
+                    self.jump((a, left), (b, right), t)
+                };
                 is_wanted.then(|| {
-                    Jumps::Few(FEW_POSITIONS.map(|t| {
-                        let left = mixed(&corners_a, weights.place(a.at(t)) - first_a);
-                        let right = mixed(&corners_b, weights.place(b.at(t)) - first_b);
-                        self.jump((a, left), (b, right), t)
-                    }))
+                    let few = FEW_POSITIONS.map(at);
+                    if few.iter().all(|&jump| jump < FEW_LIMIT) {
+                        Jumps::Few(few)
+                    } else {
+                        Jumps::All(std::array::from_fn(|sample| at(figures::position(sample))))
+                    }
                 })
             });
         }
@@ -237,29 +243,30 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_within_one_cell_is_judged_at_few_places() {
-        let codes = (0..48u32).map(|i| (i * 97 % 251) as u8).collect();
-        let image = Image { width: 4, height: 4, components: 3, pixels: Pixels::U8(codes) };
-        let texels = Texels::new(&image, Transfer::Srgb, CLAMPED);
-        let judge = Judge { texels, meaning: Meaning::Color, components: 3 };
-        let track = |from, to| Track { from, to, scale: Vec2::ONE, shift: Vec2::ZERO, frames: None };
-        // The second ends on texel centers, and at the cell's far border.
-        let a = track(Vec2::new(1.6, 1.9), Vec2::new(2.4, 1.7));
-        let b = track(Vec2::new(1.5, 0.5), Vec2::new(2.5, 1.5));
-        let codes = |track: &Track, weights: Weights, t| {
-            Meaning::Color.codes(texels.bilinear(weights.place(track.at(t))))
+    fn an_edge_within_one_cell_is_judged_at_few_places_where_it_shows_little() {
+        // The first row of texels is a ramp, and the others are the same but for `step`.
+        let jumps = |step: u8| {
+            let codes = (0..16u8).map(|i| 10 * (i % 4) + if i < 4 { 0 } else { step }).collect();
+            let image = Image { width: 4, height: 4, components: 1, pixels: Pixels::U8(codes) };
+            let texels = Texels::new(&image, Transfer::Linear, CLAMPED);
+            let judge = Judge { texels, meaning: Meaning::Data, components: 1 };
+            let track = |from, to| Track { from, to, scale: Vec2::ONE, shift: Vec2::ZERO, frames: None };
+            // Both stay in one cell, and the second ends on texel centers.
+            let a = track(Vec2::new(1.5, 0.7), Vec2::new(2.5, 0.9));
+            let b = track(Vec2::new(1.5, 1.5), Vec2::new(2.5, 1.5));
+            (judge.jumps(&a, &b, true), judge.jumps(&a, &track(b.from, Vec2::new(2.6, 1.7)), false))
         };
-        let kinds = judge.jumps(&a, &b, true);
-        for (jumps, weights) in kinds.into_iter().zip([Weights::Exact, Weights::EightBits]) {
-            let Some(Jumps::Few(jumps)) = jumps else { panic!("one cell: {jumps:?}") };
-            for (jump, t) in jumps.into_iter().zip(FEW_POSITIONS) {
-                let (left, right) = (codes(&a, weights, t), codes(&b, weights, t));
-                let wanted = (0..3).map(|i| (left[i] - right[i]).abs()).fold(0.0, f32::max);
-                assert!((jump - wanted).abs() < 1e-2 && wanted > 0.5, "{t}: {jump}, not {wanted}");
-            }
+        let (small, large) = (jumps(0), jumps(100));
+        assert!(matches!(small.0, [Some(Jumps::Few(_)), Some(Jumps::Few(_))]), "{small:?}");
+        let ([Some(Jumps::All(exact)), Some(Jumps::All(coarse))], [Some(Jumps::All(_)), None]) = large else {
+            panic!("{large:?}")
+        };
+        for (sample, (exact, coarse)) in exact.into_iter().zip(coarse).enumerate() {
+            // The first stands at 0.2 to 0.4 of the way down the step.
+            let t = figures::position(sample);
+            assert!((exact - 100.0 * (0.8 - 0.2 * t)).abs() < 1e-2, "{t}: {exact}");
+            assert!((coarse - exact).abs() < 100.0 / 512.0 + 10.0 / 512.0 + 1e-2, "{t}: {coarse}");
         }
-        let wide = track(Vec2::new(1.4, 1.9), Vec2::new(2.4, 1.7));
-        assert!(matches!(judge.jumps(&wide, &b, false), [Some(Jumps::All(_)), None]));
     }
 
     #[test]
