@@ -14,7 +14,7 @@ fn moments(deviation: f64) -> (f64, DVec3, DVec3, usize) {
     let gather = Gather { graph: &graph, cloud: &[], density: 0.0 };
     // On the diagonal's middle, so that both triangles have a part in it.
     let point = SurfacePoint { part: 0, triangle: 0, at: Vec3::new(0.0, 0.5, 0.5) };
-    let around = gather.around(&point, deviation, &mut vec![0; 2]);
+    let around = gather.around(&point, deviation, &mut [0; 2]);
     let (mut weight, mut sum, mut squares) = (0.0, DVec3::ZERO, DVec3::ZERO);
     for sample in &around.samples {
         let triangle = around.triangles[sample.triangle as usize] as usize;

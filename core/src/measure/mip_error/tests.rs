@@ -77,7 +77,7 @@ fn what_cannot_be_seen_has_no_color() {
     use crate::asset::AlphaMode;
     use crate::image::Pixels;
     // White and opaque beside black and transparent, in squares of 16 texels.
-    let is_seen = |x: usize, y: usize| (x / 16 + y / 16) % 2 == 0;
+    let is_seen = |x: usize, y: usize| (x / 16 + y / 16).is_multiple_of(2);
     let codes = (0..256 * 256).flat_map(|i| [if is_seen(i % 256, i / 256) { 255 } else { 0 }; 4]);
     let checker = Image { width: 256, height: 256, components: 4, pixels: Pixels::U8(codes.collect()) };
     let mut asset = square(Slot::BaseColor, checker);

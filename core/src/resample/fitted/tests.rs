@@ -107,12 +107,12 @@ fn the_mass_matrix_is_that_of_the_reconstruction() {
             (0..count as u32).map(|k| Vec4::splat(f32::from(noise(k, k / 7)) / 65_535.0)).collect();
         let areas = cell_areas(numbering);
         let mut wanted = vec![0.0f64; count];
-        for face in 0..numbering.canvas.faces.len() {
+        for (face, area) in areas.iter().enumerate() {
             cells(numbering, face, |hats, share| {
                 let taps = || hats.iter().map(|&((i, j), hat)| (numbering.tap(face, i, j), hat));
                 let shown: f32 = taps().map(|(tap, hat)| tap.value(&values).x * hat).sum();
                 for (tap, hat) in taps() {
-                    let part = f64::from(shown * hat * share * areas[face]);
+                    let part = f64::from(shown * hat * share * area);
                     wanted[tap.samples[0] as usize] += part * f64::from(1.0 - tap.second);
                     wanted[tap.samples[1] as usize] += part * f64::from(tap.second);
                 }
