@@ -89,10 +89,10 @@ def alphas(cases):
     picture = function(lambda u, v: (0, 200, 0, 255) if u < 0.55 else (255, 0, 0, 0), 32, kind=6)
     files = model(*soup([UNIT]), picture, alphaMode="MASK", alphaCutoff=0.5)
     cases["alpha_mask"] = ("A masked material keeps its share of surface", files,
-                           {f"{CHANNEL}/components": 4, "/effects": ["merged_pairs", "alpha_weighting", "alpha_coverage"]})
+                           {f"{CHANNEL}/components": 4, "/effects": ["merged_pairs", "beyond_vertex_colors", "alpha_weighting", "alpha_coverage"]})
     files = model(*soup([UNIT]), picture, alphaMode="BLEND")
     cases["alpha_blend"] = ("Transparent texels have no say in color", files,
-                            {f"{CHANNEL}/components": 4, "/effects": ["merged_pairs", "alpha_weighting"]})
+                            {f"{CHANNEL}/components": 4, "/effects": ["merged_pairs", "beyond_vertex_colors", "alpha_weighting"]})
     # Half of the seam is transparent on one side: it has no vote there.
     picture = function(lambda u, v: (0, 0, 255, 0) if u > 0.5 else (90, 200, 90, 255), 64, kind=6)
     right = square(box(0.6, 0, 0.9, 1), (1, 0))

@@ -146,7 +146,7 @@ proptest! {
     #[test]
     fn uncut_edges_are_continuous(seed in any::<u64>(), color in any::<bool>()) {
         let asset = noise_asset(seed, 6, if color { Slot::BaseColor } else { Slot::MetallicRoughness });
-        let options = Options { cut_codes: 255.0, ..Options::default() };
+        let options = Options { cut_codes: 255.0, range: Range::Unorm8, ..Options::default() };
         let (finished, materials) = finish(&asset, &options);
         prop_assert!(finished.primitives[0].cuts.is_empty());
         for report in &materials[0].channels[0].solver {

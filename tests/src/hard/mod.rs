@@ -29,15 +29,18 @@ pub const RUNS: &[Run] = &[
     Run { name: "standard", options: &[] },
     Run { name: "draft", options: &[("quality", "draft")] },
     Run { name: "exact", options: &[("quality", "exact")] },
-    Run { name: "point", options: &[("sampling", "point")] },
-    Run { name: "fitted", options: &[("sampling", "fitted")] },
-    Run { name: "heat", options: &[("sampling", "point"), ("mip", "area"), ("beyond", "heat")] },
-    Run { name: "scaled16", options: &[("sampling", "point"), ("beyond", "heat"), ("range", "scaled16")] },
-    Run { name: "float16", options: &[("sampling", "point"), ("beyond", "heat"), ("range", "float16")] },
-    Run { name: "nearest", options: &[("sampling", "point"), ("rounding", "nearest")] },
-    Run { name: "local", options: &[("sampling", "point"), ("solver", "local")] },
-    Run { name: "clamp", options: &[("sampling", "point"), ("solver", "clamp")] },
-    Run { name: LIBRARY, options: &[("sampling", "point"), ("solver", "exact")] },
+    Run { name: "point", options: &[("mip", "uniform"), ("beyond", "one-ring"), ("range", "unorm8")] },
+    Run { name: "fitted", options: &[("sampling", "fitted"), ("range", "unorm8")] },
+    Run { name: "heat", options: &[("mip", "area"), ("beyond", "heat"), ("range", "unorm8")] },
+    Run { name: "scaled16", options: &[("range", "scaled16")] },
+    Run { name: "float16", options: &[("mip", "uniform"), ("range", "float16")] },
+    Run { name: "nearest", options: &[("range", "unorm8"), ("rounding", "nearest")] },
+    Run { name: "local", options: &[("range", "unorm8"), ("solver", "local")] },
+    Run { name: "clamp", options: &[("range", "unorm8"), ("solver", "clamp")] },
+    Run {
+        name: LIBRARY,
+        options: &[("mip", "uniform"), ("beyond", "one-ring"), ("range", "unorm8"), ("solver", "exact")],
+    },
 ];
 
 /// The run that [`GLOBAL`] is held against.
@@ -143,7 +146,7 @@ pub fn run(name: &str) {
             promises::check_one_color(&hard);
             let figures = outcomes.iter().map(|outcome| (outcome.run.name.to_owned(), figures::of(outcome)));
             let mut all = Value::Object(figures.collect());
-            let apart = promises::texels_apart_codes(by_name(&outcomes, GLOBAL), by_name(&outcomes, LIBRARY));
+            let apart = promises::shown_apart_codes(by_name(&outcomes, GLOBAL), by_name(&outcomes, LIBRARY));
             all[LIBRARY]["from_global_codes"] = figures::rounded(apart).into();
             (all, String::new())
         }

@@ -5,7 +5,7 @@ use crate::colors::{ChannelTopology, Cuts, Resolutions};
 use crate::image::Pixels;
 use crate::mesh::{Polygons, build};
 use crate::pipeline::tests::noise_asset;
-use crate::pipeline::{Options, Sampling, Solver, convert_asset};
+use crate::pipeline::{Options, Range, Sampling, Solver, convert_asset};
 use crate::read::Limits;
 use crate::watch::Unwatched;
 
@@ -15,7 +15,12 @@ fn a_flat_map_stays_flat_down_to_the_last_level() {
     let mut asset = noise_asset(3, 6, Slot::Normal);
     asset.images[0].pixels = Pixels::U16([32_768, 32_768, 65_535].repeat(64 * 64));
     // As it is filtered, before any texel has to be brought into range.
-    let options = Options { sampling: Sampling::Point, solver: Solver::Clamp, ..Options::default() };
+    let options = Options {
+        sampling: Sampling::Point,
+        solver: Solver::Clamp,
+        range: Range::Unorm8,
+        ..Options::default()
+    };
     let conversion = convert_asset(asset, &options, &Limits::default(), &Unwatched).unwrap();
     let levels = &conversion.finished.textures[0].levels;
     assert!(levels.len() > 5);
