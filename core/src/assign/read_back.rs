@@ -32,7 +32,7 @@ pub fn read_back(
     let scale = (-(numbering.level as f32)).exp2();
     for (face, placement) in channel.layout.placements.iter().enumerate() {
         let block = &channel.layout.blocks[placement.block as usize];
-        if block.segments >> numbering.level > 0 {
+        if !block.is_beyond(numbering.level) {
             continue;
         }
         let canvas_face = &numbering.canvas.faces[face];

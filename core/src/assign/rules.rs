@@ -205,7 +205,7 @@ pub fn rules(channel: &LevelChannel<'_>) -> Rules {
     let mut builder = Builder { channel, rules };
     for block in &channel.layout.blocks {
         let (first, second) = block.kind.faces();
-        let is_beyond = block.segments >> channel.numbering.level == 0;
+        let is_beyond = block.is_beyond(channel.numbering.level);
         match block.kind {
             BlockKind::Quad(_) | BlockKind::Merged(_) => {
                 if is_beyond {

@@ -91,6 +91,12 @@ impl Layout {
         self.sizes.len()
     }
 
+    /// The blocks of each row.
+    pub fn rows(&self) -> impl Iterator<Item = &[Block]> {
+        let ends = self.row_starts.iter().skip(1).copied().chain([self.blocks.len()]);
+        self.row_starts.iter().zip(ends).map(|(&start, end)| &self.blocks[start..end])
+    }
+
     fn block(&self, face: usize) -> &Block {
         &self.blocks[self.placements[face].block as usize]
     }
@@ -112,6 +118,11 @@ impl Layout {
 }
 
 impl Block {
+    /// Whether the block is beyond vertex colors at a level.
+    pub fn is_beyond(&self, level: usize) -> bool {
+        self.segments >> level == 0
+    }
+
     /// First texel at a level up to vertex colors of the block.
     pub fn texel(&self, level: usize) -> [u32; 2] {
         [0, 1].map(|k| (self.origin[k] >> level) + self.offset[k])
@@ -130,7 +141,7 @@ impl Block {
         [0, 1].map(|k| {
             let last = (self.origin[k] + self.segments) >> level;
             // Beyond vertex colors the corner lies between texels, or on one with a spare texel beside it.
-            let spare = u32::from(self.segments >> level == 0);
+            let spare = u32::from(self.is_beyond(level));
             last + self.offset[k] + extra[k] + spare + 1
         })
     }

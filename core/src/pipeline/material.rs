@@ -11,7 +11,7 @@ use crate::mesh::{CanvasEdge, CanvasFace, CanvasMesh, Polygons, Side, build};
 use crate::read::Limits;
 use crate::resample::{find_cuts, resolutions, sample};
 use crate::source::tangents::corner_normals;
-use crate::source::{ChannelKind, SourceChannel, SurfaceSource, channels};
+use crate::source::{SourceChannel, SurfaceSource, channels};
 use crate::watch::{Stage, Watch};
 
 use super::channel::{ChannelInput, FinishedChannel, Rooms, finish_channel};
@@ -164,10 +164,7 @@ fn frames_of(
     layout: &Layout,
     channels: &[SourceChannel<'_>],
 ) -> NormalFrames {
-    let scale = channels.iter().find_map(|channel| match channel.kind {
-        ChannelKind::Normal { scale } => Some(scale),
-        _ => None,
-    });
+    let scale = channels.iter().find_map(SourceChannel::normal_scale);
     let partner = |face: usize| match layout.blocks[layout.placements[face].block as usize].kind {
         BlockKind::Merged([first, second]) if first as usize == face => Some(second as usize),
         BlockKind::Merged([first, _]) => Some(first as usize),

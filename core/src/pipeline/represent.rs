@@ -217,13 +217,7 @@ enum System {
 
 impl System {
     fn components(channel: &LevelChannel<'_>) -> Vec<Self> {
-        let stored: &[usize] = match channel.codec.components {
-            1 => &[0],
-            2 => &[0, 3],
-            3 => &[0, 1, 2],
-            _ => &[0, 1, 2, 3],
-        };
-        stored.iter().map(|&component| System::Component(component)).collect()
+        channel.codec.stored().iter().map(|&component| System::Component(component)).collect()
     }
 
     /// The values of the rules' variables.

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::image::LevelRange;
+use crate::layout::Block;
 use crate::watch::{self, Watch};
 
 use super::Painter;
@@ -43,15 +44,12 @@ pub fn choose_range(
         return Ok(None);
     }
     // Half floats hold whatever the texels up to vertex colors may be.
-    let all = if range == Range::Float16 { beyond } else { beyond.join(painter.extent(false, watch)?) };
+    let is_float = range == Range::Float16;
+    let all = if is_float { beyond } else { beyond.join(painter.extent(false, watch)?) };
     if all.low.abs().max(all.high.abs()).max_element() > VALUE_MAX {
         return Ok(None);
     }
-    Ok(match range {
-        Range::Unorm8 => None,
-        Range::Scaled16 => Some(LevelRange::spanning(all.low, all.high)),
-        Range::Float16 => Some(LevelRange::Float16),
-    })
+    Ok(Some(if is_float { LevelRange::Float16 } else { LevelRange::spanning(all.low, all.high) }))
 }
 
 impl Painter<'_> {
@@ -59,14 +57,13 @@ impl Painter<'_> {
     fn extent(&self, is_beyond: bool, watch: &dyn Watch) -> Result<Extent> {
         let layout = self.channel.layout;
         let width = layout.sizes[self.channel.numbering.level][0] as usize;
-        let ends = layout.row_starts[1..].iter().copied().chain([layout.blocks.len()]);
-        let rows: Vec<_> = layout.row_starts.iter().copied().zip(ends).collect();
-        let of_row = |scratch: &mut Scratch, (start, end): (usize, usize)| -> Result<Extent> {
+        let rows: Vec<_> = layout.rows().collect();
+        let of_row = |scratch: &mut Scratch, blocks: &[Block]| -> Result<Extent> {
             watch::check(watch)?;
             let mut extent = Extent::NOTHING;
-            let first_row = layout.blocks[start].corner(self.channel.numbering.level).y as usize;
+            let first_row = blocks[0].corner(self.channel.numbering.level).y as usize;
             let mut band = Band { sheet: Sheet::Extent(&mut extent), codec: self.codec, width, first_row };
-            for block in layout.blocks[start..end].iter().filter(|block| self.is_beyond(block) == is_beyond) {
+            for block in blocks.iter().filter(|block| self.is_beyond(block) == is_beyond) {
                 self.paint_block(&mut band, block, scratch);
             }
             Ok(extent)

@@ -84,13 +84,12 @@ fn rows<'a, C>(channel: &LevelChannel<'a>, codes: &'a mut [C]) -> Vec<Row<'a, C>
     let row_codes = width as usize * usize::from(channel.codec.components);
     let mut rows = Vec::with_capacity(layout.row_starts.len());
     let mut rest = codes;
-    for (row, &start) in layout.row_starts.iter().enumerate() {
-        let first_row = layout.blocks[start].corner(level).y as u32;
-        let next = layout.row_starts.get(row + 1).copied();
-        let end_row = next.map_or(height, |next| layout.blocks[next].corner(level).y as u32);
+    let first_row_of = |blocks: &[Block]| blocks[0].corner(level).y as u32;
+    let end_rows = layout.rows().skip(1).map(first_row_of).chain([height]);
+    for (blocks, end_row) in layout.rows().zip(end_rows) {
+        let first_row = first_row_of(blocks);
         let (codes, after) = rest.split_at_mut((end_row - first_row) as usize * row_codes);
         rest = after;
-        let blocks = &layout.blocks[start..next.unwrap_or(layout.blocks.len())];
         rows.push(Row { blocks, codes, first_row });
     }
     rows
@@ -108,17 +107,13 @@ impl Painter<'_> {
             watch::check(watch)?;
             let (sheet, first_row) = (sheet(row.codes), row.first_row as usize);
             let mut band = Band { sheet, codec: self.codec, width, first_row };
-            self.paint_row(&mut band, row.blocks, scratch);
+            row.blocks.iter().for_each(|block| self.paint_block(&mut band, block, scratch));
             Ok(())
         })
     }
 
-    fn paint_row(&self, band: &mut Band<'_>, blocks: &[Block], scratch: &mut Scratch) {
-        blocks.iter().for_each(|block| self.paint_block(band, block, scratch));
-    }
-
     fn is_beyond(&self, block: &Block) -> bool {
-        block.segments >> self.channel.numbering.level == 0
+        block.is_beyond(self.channel.numbering.level)
     }
 
     fn paint_block(&self, band: &mut Band<'_>, block: &Block, scratch: &mut Scratch) {
