@@ -30,7 +30,7 @@ impl Default for Options {
     }
 }
 
-/// A set of rungs, one of each ladder.
+/// A set of rungs, one of each ladder, and how many samples there are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quality {
     Draft,
@@ -81,7 +81,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         follows_quality: false,
         rungs: &names::<_, 3>(QUALITIES),
         allowed: "draft, standard, exact",
-        doc: "A set of rungs, one of each ladder below; a rung that is named by itself counts before it",
+        doc: "A set of rungs, one of each ladder below, and a resolution; what is named by itself counts before it",
     },
     OptionSpec {
         name: "sampling",
@@ -96,7 +96,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         name: "resolution",
         value_name: "RULE",
         default: "area:1",
-        follows_quality: false,
+        follows_quality: true,
         rungs: &[],
         allowed: "area:F with F in 0.001..=64 (texels per source texel), fixed:R with R in 0..=12 (sides of 2^R segments), density:D with D in 1e-6..=1e9 (texels per world unit)",
         doc: "How many samples a face gets",
@@ -172,7 +172,9 @@ impl Options {
             cut_codes: 8.0,
         };
         match quality {
-            Quality::Draft => Self { mip: MipFilter::Uniform, beyond: Beyond::OneRing, ..standard },
+            Quality::Draft => {
+                Self { resolution: Resolution::Area(0.25), mip: MipFilter::Uniform, ..standard }
+            }
             Quality::Standard => standard,
             Quality::Exact => Self { sampling: Sampling::Fitted, ..standard },
         }
@@ -180,8 +182,7 @@ impl Options {
 
     /// Sets every rung to those of a preset.
     fn set_quality(&mut self, quality: Quality) {
-        let kept = self.clone();
-        *self = Self { resolution: kept.resolution, cut_codes: kept.cut_codes, ..Self::of(quality) };
+        *self = Self { cut_codes: self.cut_codes, ..Self::of(quality) };
     }
 
     /// Sets one option from its text form. `quality` sets all rungs, so it comes before them.
@@ -328,7 +329,8 @@ mod tests {
                 assert_eq!(options.to_json()[spec.name], *rung);
                 assert!(spec.allowed.contains(rung), "{} does not tell {rung}", spec.name);
             }
-            assert_eq!(spec.follows_quality || spec.name == "quality", !spec.rungs.is_empty());
+            let is_ladder = spec.name != "quality" && spec.name != "resolution" && spec.follows_quality;
+            assert_eq!(is_ladder || spec.name == "quality", !spec.rungs.is_empty(), "{}", spec.name);
         }
     }
 }

@@ -27,8 +27,8 @@ pub struct PlannedRun {
 }
 
 impl Plan {
-    /// Presets and ladders, with the resolution and the cuts of `base`; and `base` itself where it is none
-    /// of them.
+    /// Presets and ladders, with the cuts of `base` and with its resolution where that is not its preset's; and
+    /// `base` itself where it is none of them.
     ///
     /// # Errors
     /// `InvalidOptions`, which no options that were read can cause.
@@ -74,6 +74,9 @@ fn with(base: &Options, changes: &[(&str, &str)]) -> Result<Options> {
     for (name, value) in changes {
         options.set(name, value)?;
     }
+    if base.resolution != Options::of(base.quality).resolution {
+        options.resolution = base.resolution;
+    }
     Ok(options)
 }
 
@@ -86,6 +89,8 @@ fn rungs_of(options: &Options) -> Map<String, Value> {
 
 #[cfg(test)]
 mod tests {
+    use meshcolor::pipeline::Quality;
+
     use super::*;
 
     #[test]
@@ -119,7 +124,14 @@ mod tests {
         base.set("sampling", "filtered:2").unwrap();
         let plan = Plan::new(&base).unwrap();
         assert!(plan.runs.iter().all(|run| run.options.cut_codes == 3.0));
+        let resolutions = |plan: &Plan| -> Vec<_> {
+            plan.presets.iter().map(|preset| plan.runs[preset.run].options.resolution).collect()
+        };
+        let standard = base.resolution;
+        assert_eq!(resolutions(&plan), [Options::of(Quality::Draft).resolution, standard, standard]);
         assert_eq!((plan.asked, plan.runs[plan.asked].name.as_str()), (plan.runs.len() - 1, "as asked"));
         assert_eq!(plan.runs[plan.asked].options, base);
+        base.set("resolution", "area:2").unwrap();
+        assert_eq!(resolutions(&Plan::new(&base).unwrap()), [base.resolution; 3]);
     }
 }
