@@ -1,5 +1,6 @@
 //! What holds for every conversion, on random models: continuity, no bleeding, exact placement,
-//! faithfulness, and that nothing hangs on threads, on the order of faces or on the unit of length.
+//! faithfulness, and that nothing hangs on threads or on the unit of length. (`transforms.rs` has the rest: the
+//! order of faces, their corners, where a model stands.)
 
 use std::collections::BTreeMap;
 
@@ -322,42 +323,6 @@ fn calm(seed: u64) -> Patch {
 
 proptest! {
     #![proptest_config(config(8))]
-
-    /// The order of faces, and the corner that a face begins with, decide on places alone.
-    #[test]
-    fn the_order_of_faces_and_corners_changes_rounding_alone(seed in any::<u64>()) {
-        const EXPONENT: u8 = 3;
-        let patch = calm(seed);
-        let options = Options { resolution: Resolution::Fixed(EXPONENT), ..Options::default() };
-        let mut random = Random::new(seed);
-        let mut order: Vec<(usize, usize)> = (0..patch.faces.len()).map(|face| (face, random.below(3))).collect();
-        random.shuffle(&mut order);
-        let turned = |&(face, turn): &(usize, usize)| {
-            let mut corners = patch.faces[face].clone();
-            corners.rotate_left(turn);
-            corners
-        };
-        let other = Patch { faces: order.iter().map(turned).collect(), ..patch.clone() };
-        let [first, second] = [&patch, &other].map(|patch| converted(&patch.upload(&smooth(64)), &options));
-        let [first, second] = [first, second].map(|conversion| samples(&conversion, EXPONENT.into()));
-        // Beyond vertex colors the texels of a face lie by its place, and so do the rules that its colors have to keep.
-        for (level, (first, second)) in first.iter().zip(&second).enumerate().take(usize::from(EXPONENT) + 1) {
-            let n = 1usize << usize::from(EXPONENT).saturating_sub(level);
-            for (number, &(face, turn)) in order.iter().enumerate() {
-                for (i, j) in (0..=n).flat_map(|j| (0..=n - j).map(move |i| (i, j))) {
-                    // Barycentrics of the turned face, put back at the corners they belong to.
-                    let mut weights = [0; 3];
-                    for (k, weight) in [n - i - j, i, j].into_iter().enumerate() {
-                        weights[(k + turn) % 3] = weight;
-                    }
-                    let at = |i: usize, j: usize| j * (n + 1) - j * j.saturating_sub(1) / 2 + i;
-                    let before = first[face][at(weights[1], weights[2])];
-                    let after = second[number][at(i, j)];
-                    prop_assert!((before - after).abs().max_element() <= 1.01, "level {level}: {before} became {after}");
-                }
-            }
-        }
-    }
 
     /// Lengths enter as ratios: a model twice as large, or elsewhere, has the same textures.
     #[test]

@@ -25,7 +25,7 @@ const HEADING: &[&str] = &[
 ];
 
 /// Runs whose figures count for the table: those that keep what faces share.
-const SHOWN_APART: [&str; 4] = ["draft", "local", "clamp", "nearest"];
+const SHOWN_APART: [&str; 3] = ["local", "clamp", "nearest"];
 
 /// The whole table; `times` by case.
 pub fn text(times: &BTreeMap<String, String>) -> String {

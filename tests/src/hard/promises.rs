@@ -9,12 +9,12 @@ use meshcolor::asset::Asset;
 use meshcolor::finished::{Finished, FinishedTexture, FinishedTriangle};
 use meshcolor::image::{Image, Pixels};
 use meshcolor::measure::{Figures, Unit};
-use meshcolor::pipeline::{Range, Sampling, Solver};
+use meshcolor::pipeline::{Sampling, Solver};
 use meshcolor::watch::Unwatched;
 
 use super::figures::{largest, solved};
 use super::{HardCase, Outcome, RUNS};
-use crate::reading::{jumps_codes, shown_codes};
+use crate::reading::{jumps_codes, shown_codes_of};
 
 /// Largest jump that rounding explains, in codes: the guarantee of the report.
 pub const SEAM_CODES: f32 = 1.5;
@@ -114,14 +114,12 @@ fn check_edges(at: &str, outcome: &Outcome) {
     // The library states no residual of ours; ten levels beyond vertex colors it leaves this much.
     let allowed = if outcome.options.solver == Solver::Exact { 1e-4 } else { RESIDUAL };
     assert!(residual <= allowed, "{at}: a texel is out of range by {residual}");
-    // A second opinion, by code that shares nothing with `measure`; it knows formats of integer codes alone.
-    if outcome.options.range == Range::Unorm8 {
-        for (texture, channel) in conversion.report.channels.iter().enumerate() {
-            if channel.unit == Unit::Codes {
-                let jumps = jumps_codes(&conversion.asset, &conversion.finished, texture);
-                let worst = jumps.into_iter().fold(0.0, f32::max);
-                assert!(f64::from(worst) <= seam_allowed, "{at}: channel {texture} jumps by {worst} codes");
-            }
+    // A second opinion, by code that shares nothing with `measure`.
+    for (texture, channel) in conversion.report.channels.iter().enumerate() {
+        if channel.unit == Unit::Codes {
+            let jumps = jumps_codes(&conversion.asset, &conversion.finished, texture);
+            let worst = jumps.into_iter().fold(0.0, f32::max);
+            assert!(f64::from(worst) <= seam_allowed, "{at}: channel {texture} jumps by {worst} codes");
         }
     }
 }
@@ -129,7 +127,7 @@ fn check_edges(at: &str, outcome: &Outcome) {
 /// At every level the surface shows nothing that the source does not have. Fitted samples may leave the hull to be
 /// nearer to the source between them.
 fn check_hull(at: &str, outcome: &Outcome) {
-    if outcome.options.range != Range::Unorm8 || outcome.options.sampling == Sampling::Fitted {
+    if outcome.options.sampling == Sampling::Fitted {
         return;
     }
     let Outcome { conversion, .. } = outcome;
@@ -166,9 +164,9 @@ fn each_look(finished: &Finished, texture: &FinishedTexture, mut look: impl FnMu
         .filter(|piece| piece.material == texture.material)
         .flat_map(|piece| &piece.triangles)
         .collect();
-    for (level, image) in texture.levels.iter().enumerate() {
+    for level in 0..texture.levels.len() {
         for (triangle, at) in triangles.iter().flat_map(|triangle| LOOKS.map(|at| (triangle, at))) {
-            look(level, shown_codes(image, texture.transfer, triangle.place_at(Vec3::from(at), level)));
+            look(level, shown_codes_of(texture, level, triangle.place_at(Vec3::from(at), level)));
         }
     }
 }
@@ -235,9 +233,6 @@ pub fn check_one_color(hard: &HardCase) {
             .convert(run, &Unwatched)
             .unwrap_or_else(|error| panic!("{}, one color: {error}", hard.name));
         check_finite(&hard.name, &outcome);
-        if outcome.options.range != Range::Unorm8 {
-            continue;
-        }
         let finished = &outcome.conversion.finished;
         for texture in finished.textures.iter().filter(|texture| !texture.is_normal()) {
             let [color, _] = hull_codes(source_image(&outcome.conversion.asset, texture));
