@@ -1,5 +1,6 @@
-//! Numbers without a subject: color transfer, tangent frames, weighted means, disjoint sets.
+//! Numbers without a subject: color transfer, tangent frames, weighted means, disjoint sets, sparse systems.
 
+pub mod cholesky;
 pub mod frame;
 pub mod mean;
 pub mod partition;

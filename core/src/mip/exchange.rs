@@ -1,12 +1,12 @@
 //! One implicit step of an exchange between samples: `(M + W) C' = M C`, `M` the masses and `W` the graph
 //! Laplacian of what they exchange.
 
+use faer::Mat;
 use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{Mat, Side};
+use faer::sparse::Pair;
 use glam::DVec4;
 
+use crate::math::cholesky::Pattern;
 use crate::math::partition::Partition;
 
 /// What two samples exchange, the lower number first: above zero.
@@ -21,9 +21,29 @@ const MASS_SHARE: f64 = 1e-10;
 /// Samples that differ by less than this, relative to their values, have nothing to exchange.
 const FLAT: f64 = 1e-6;
 
+/// Who exchanges with whom, kept from exchange to exchange: from where all faces are at vertex colors on it is
+/// the same at every level.
+#[derive(Default)]
+pub(super) struct Network {
+    /// Entries below the diagonal and on it, and their pattern.
+    known: Option<(Vec<Pair<u32, u32>>, Pattern)>,
+}
+
+impl Network {
+    /// The pattern of the entries; that of before where they are the same.
+    fn pattern(&mut self, size: usize, entries: Vec<Pair<u32, u32>>) -> Option<&Pattern> {
+        if self.known.as_ref().is_none_or(|(known, _)| *known != entries) {
+            let pattern = Pattern::new(size, &entries)?;
+            self.known = Some((entries, pattern));
+        }
+        self.known.as_ref().map(|(_, pattern)| pattern)
+    }
+}
+
 /// Replaces `values` by those after the exchange, in `step_count` equal steps. No value leaves the range of
 /// its island, and the sum of mass times value stays. `None` where the system cannot be factored.
 pub(super) fn exchange(
+    network: &mut Network,
     bonds: &[Bond],
     masses: &[f64],
     step_count: usize,
@@ -36,20 +56,17 @@ pub(super) fn exchange(
     }
     let links = islands.links(bonds, step_count);
     let mut exchanged = vec![0.0; size];
-    let mut entries = Vec::with_capacity(links.len() + size);
     for link in &links {
-        let [a, b] = link.ends;
-        exchanged[a as usize] += link.conductance;
-        exchanged[b as usize] += link.conductance;
-        entries.push(Triplet::new(b, a, -link.conductance));
+        link.ends.iter().for_each(|&end| exchanged[end as usize] += link.conductance);
     }
-    for ((number, &member), sum) in (0u32..).zip(&islands.members).zip(&exchanged) {
+    let diagonal = islands.members.iter().zip(&exchanged).map(|(&member, sum)| {
         let mass = masses[member as usize].max(MASS_SHARE * sum);
-        entries.push(Triplet::new(number, number, mass + sum));
-    }
-    let matrix = SparseColMat::try_new_from_triplets(size, size, &entries).ok()?;
-    let symbolic = SymbolicLlt::try_new(matrix.symbolic(), Side::Lower).ok()?;
-    let factor: Llt<u32, f64> = Llt::try_new_with_symbolic(symbolic, matrix.as_ref(), Side::Lower).ok()?;
+        mass + sum
+    });
+    let values_of_entries: Vec<f64> = links.iter().map(|link| -link.conductance).chain(diagonal).collect();
+    let below = links.iter().map(|link| Pair { row: link.ends[1], col: link.ends[0] });
+    let entries = below.chain((0..size as u32).map(|at| Pair { row: at, col: at })).collect();
+    let factor = network.pattern(size, entries)?.factor(&values_of_entries)?;
     let columns = islands.components();
     for _ in 0..step_count {
         // For the change alone: what is even stays so to the last bit.

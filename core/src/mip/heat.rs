@@ -19,7 +19,7 @@ use glam::{DVec3, DVec4, Vec4};
 use crate::colors::{LevelNumbering, SampleAreas};
 use crate::error::{Error, Result};
 
-use super::exchange::{Bond, exchange};
+use super::exchange::{Bond, Network, exchange};
 
 /// Variance along an axis of one level's hat filter on a quad's cells, in cells: 1-2-1 over 4.
 const QUAD_SPREAD: f64 = 0.5;
@@ -46,6 +46,7 @@ const STEP_COUNT: usize = 3;
 pub(super) fn flow(
     fine: &LevelNumbering<'_>,
     coarse: &LevelNumbering<'_>,
+    network: &mut Network,
     fans: &mut [Vec4],
     by_alpha: bool,
 ) -> Result<()> {
@@ -54,7 +55,7 @@ pub(super) fn flow(
         return Ok(());
     }
     let mut values: Vec<DVec4> = fans.iter().map(|value| weighted(value.as_dvec4(), by_alpha)).collect();
-    if exchange(&bonds, &masses(coarse), STEP_COUNT, &mut values).is_none() {
+    if exchange(network, &bonds, &masses(coarse), STEP_COUNT, &mut values).is_none() {
         return Err(Error::internal("the heat flow between vertices has no solution"));
     }
     for (fan, value) in fans.iter_mut().zip(values) {

@@ -22,6 +22,7 @@ use crate::colors::LevelNumbering;
 use crate::error::Result;
 use crate::watch::{self, Watch};
 
+use exchange::Network;
 use filter::Filter;
 
 /// What a coarse sample weighs the fine ones around it by, beside its hat function.
@@ -51,32 +52,44 @@ pub struct Rungs {
     pub by_alpha: bool,
 }
 
-/// Computes the samples of `coarse` from those of `fine`, the level before it, into a buffer that may hold
-/// anything.
-///
-/// Normals are averaged as vectors: they shorten where they differ, which is what the next level has to
-/// weigh them by; whoever stores them normalizes.
-///
-/// # Errors
-/// `Canceled`; `Internal` where the heat flow's system cannot be factored.
-pub fn coarsen(
-    [fine, coarse]: [&LevelNumbering<'_>; 2],
-    values: &[Vec4],
-    room: Vec<Vec4>,
+/// Filters one channel from level to level.
+pub struct Coarsener {
     rungs: Rungs,
-    watch: &dyn Watch,
-) -> Result<Vec<Vec4>> {
-    watch::check(watch)?;
-    let filter = Filter::new(fine, coarse, values, rungs);
-    let mut out = coarse.values_in(room);
-    let [fans, strips, inner] = coarse.parts(&mut out);
-    let borders = interior::interiors(&filter, inner);
-    watch::check(watch)?;
-    filter.fans(fans);
-    filter.strips(coarse.by_strip(strips), &borders);
-    if rungs.beyond == Beyond::Heat {
-        watch::check(watch)?;
-        heat::flow(fine, coarse, fans, rungs.by_alpha)?;
+    network: Network,
+}
+
+impl Coarsener {
+    pub fn new(rungs: Rungs) -> Self {
+        Self { rungs, network: Network::default() }
     }
-    Ok(out)
+
+    /// Computes the samples of `coarse` from those of `fine`, the level before it, into a buffer that may hold
+    /// anything.
+    ///
+    /// Normals are averaged as vectors: they shorten where they differ, which is what the next level has to
+    /// weigh them by; whoever stores them normalizes.
+    ///
+    /// # Errors
+    /// `Canceled`; `Internal` where the heat flow's system cannot be factored.
+    pub fn coarsen(
+        &mut self,
+        [fine, coarse]: [&LevelNumbering<'_>; 2],
+        values: &[Vec4],
+        room: Vec<Vec4>,
+        watch: &dyn Watch,
+    ) -> Result<Vec<Vec4>> {
+        watch::check(watch)?;
+        let filter = Filter::new(fine, coarse, values, self.rungs);
+        let mut out = coarse.values_in(room);
+        let [fans, strips, inner] = coarse.parts(&mut out);
+        let borders = interior::interiors(&filter, inner);
+        watch::check(watch)?;
+        filter.fans(fans);
+        filter.strips(coarse.by_strip(strips), &borders);
+        if self.rungs.beyond == Beyond::Heat {
+            watch::check(watch)?;
+            heat::flow(fine, coarse, &mut self.network, fans, self.rungs.by_alpha)?;
+        }
+        Ok(out)
+    }
 }

@@ -1,6 +1,6 @@
 use glam::{Vec3, Vec4};
 
-use super::{Beyond, MipFilter, Rungs, coarsen, coverage, keep_coverage};
+use super::{Beyond, Coarsener, MipFilter, Rungs, coverage, keep_coverage};
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions, SampleAreas};
 use crate::mesh::{CanvasMesh, Polygons, build};
 use crate::watch::Unwatched;
@@ -36,7 +36,7 @@ fn one_level(canvas: &CanvasMesh, exponents: &[u8], cuts: &Cuts, value: impl Fn(
     let fine = LevelNumbering::new(canvas, &topology, &resolutions, 0);
     let coarse = LevelNumbering::new(canvas, &topology, &resolutions, 1);
     let values: Vec<Vec4> = (0..fine.sample_count()).map(|sample| Vec4::splat(value(sample))).collect();
-    let out = coarsen([&fine, &coarse], &values, Vec::new(), PLAIN, &Unwatched).unwrap();
+    let out = Coarsener::new(PLAIN).coarsen([&fine, &coarse], &values, Vec::new(), &Unwatched).unwrap();
     assert_eq!(out.len(), coarse.sample_count());
     out.into_iter().map(|v| v.x).collect()
 }
@@ -85,11 +85,12 @@ impl Case {
     /// The samples of levels 0 to `last`.
     pub fn levels(&self, samples: &[Vec4], rungs: Rungs, last: usize) -> Vec<Vec<Vec4>> {
         let topology = self.topology();
+        let mut coarsener = Coarsener::new(rungs);
         let mut levels = vec![samples.to_vec()];
         for level in 1..=last {
             let (fine, coarse) = (self.level(&topology, level - 1), self.level(&topology, level));
-            levels
-                .push(coarsen([&fine, &coarse], &levels[level - 1], Vec::new(), rungs, &Unwatched).unwrap());
+            let before = &levels[level - 1];
+            levels.push(coarsener.coarsen([&fine, &coarse], before, Vec::new(), &Unwatched).unwrap());
         }
         levels
     }
@@ -224,13 +225,14 @@ fn what_is_transparent_has_no_vote_in_color() {
     let fine = LevelNumbering::new(&mesh, &topology, &resolutions, 0);
     let coarse = LevelNumbering::new(&mesh, &topology, &resolutions, 1);
     let clear_green = Vec4::new(0.0, 1.0, 0.0, 0.0);
+    let mut coarsener = Coarsener::new(BY_ALPHA);
     let mut values = vec![clear_green; 5];
     values[0] = Vec4::new(1.0, 0.0, 0.0, 1.0);
-    let out = coarsen([&fine, &coarse], &values, Vec::new(), BY_ALPHA, &Unwatched).unwrap();
+    let out = coarsener.coarsen([&fine, &coarse], &values, Vec::new(), &Unwatched).unwrap();
     assert!(out[0].x > 0.99 && out[0].y < 0.01, "{:?}", out[0]);
     assert!((out[0].w - 1.0 / 3.0).abs() < 1e-6);
     values[0] = clear_green;
-    let out = coarsen([&fine, &coarse], &values, Vec::new(), BY_ALPHA, &Unwatched).unwrap();
+    let out = coarsener.coarsen([&fine, &coarse], &values, Vec::new(), &Unwatched).unwrap();
     assert!((out[0] - clear_green).abs().max_element() < 1e-6, "hidden color is kept where nothing shows");
 }
 

@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::image::{Image, LevelRange, Pixels, Transfer};
 use crate::layout::Layout;
 use crate::measure::{SolverReport, StoredReport};
-use crate::mip::{Beyond, MipFilter, Rungs, coarsen, coverage, keep_coverage};
+use crate::mip::{Beyond, Coarsener, MipFilter, Rungs, coverage, keep_coverage};
 use crate::resample::{Fit, Samples};
 use crate::solve::Solver;
 use crate::source::SourceChannel;
@@ -95,6 +95,7 @@ pub fn finish_channel(
     }
     let rungs =
         Rungs { filter: input.mip, beyond: input.beyond, by_alpha: input.channel.is_alpha_weighted() };
+    let mut coarsener = Coarsener::new(rungs);
     let mut wanted_coverage = 0.0;
     for level in 0.. {
         watch.stage(Stage::Mip);
@@ -103,7 +104,7 @@ pub fn finish_channel(
         if level + 1 < input.layout.level_count() {
             let coarse = LevelNumbering::new(canvas, topology, input.resolutions, level + 1);
             let room = rooms.take(level + 1);
-            let coarse_values = coarsen([&numbering, &coarse], &values, room, rungs, watch)?;
+            let coarse_values = coarsener.coarsen([&numbering, &coarse], &values, room, watch)?;
             next = Some((coarse, coarse_values));
         }
         if let Some(frames) = input.frames {

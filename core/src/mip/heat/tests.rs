@@ -3,7 +3,8 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use crate::mip::tests::{BY_ALPHA, Case, PLAIN, RUNGS, Random, canvas, fan, sheet};
-use crate::mip::{Beyond, Rungs};
+use crate::mip::{Beyond, Coarsener, Rungs};
+use crate::watch::Unwatched;
 
 use super::{QUAD_SPREAD, TRIANGLE_SPREAD};
 
@@ -204,6 +205,22 @@ fn the_last_level_is_the_mean_of_what_hangs_together() {
     let mean = samples.iter().zip(&areas).map(|(v, a)| *v * *a).sum::<Vec4>() / areas.iter().sum::<f32>();
     let last = &case.levels(&samples, HEAT, 20)[20];
     assert!(last.iter().all(|value| (*value - mean).abs().max_element() < 1e-5), "{last:?}, not {mean}");
+}
+
+/// Faces come to vertex colors one after the other, so at some levels others exchange than at the one before.
+#[test]
+fn what_is_known_of_the_level_before_changes_nothing() {
+    let mut random = Random(17);
+    let case = sheet(&mut random, 6, 0.2, 4);
+    let samples = random.colors(case.sample_count());
+    let levels = case.levels(&samples, HEAT, 8);
+    let topology = case.topology();
+    for (level, pair) in levels.windows(2).enumerate() {
+        let [fine, coarse] = [level, level + 1].map(|level| case.level(&topology, level));
+        let mut anew = Coarsener::new(HEAT);
+        let alone = anew.coarsen([&fine, &coarse], &pair[0], Vec::new(), &Unwatched).unwrap();
+        assert_eq!(alone, pair[1], "level {}", level + 1);
+    }
 }
 
 #[test]
