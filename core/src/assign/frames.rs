@@ -120,7 +120,7 @@ impl NormalFrames {
         // The triangles that `surface_point` names: a quad is drawn over the diagonal s = t.
         let is_upper = |number: usize| count == 4 && place(number).1 > place(number).0;
         let [across, along] = self.factors();
-        let factors = Vec3::new(across, across * frames[0].tangent.w, along);
+        let factors = Vec3::new(across, across, along);
         stored.clear();
         while stored.len() < normals.len() {
             let first = stored.len();

@@ -14,7 +14,7 @@ mod tests;
 
 pub use codec::Codec;
 pub use frames::{NormalFrames, choose_frames};
-pub use paint::{Storing, choose_range, paint};
+pub use paint::{Need, RANGE_WIDTH, Storing, need_of_range, paint, range_of};
 pub use read_back::read_back;
 pub use rules::{Links, Rules, rules};
 

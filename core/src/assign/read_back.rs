@@ -1,9 +1,10 @@
-//! What is left of the samples of a level in a range: read from the image as a sampler does, against what
-//! was wanted. Nothing was solved there, so storing alone has changed them.
+//! What is left of the samples of a level in a range: read from the image as a sampler does, against what was to be
+//! stored. What the solver did to samples that no range is wide enough for is told apart from it.
 
 use glam::{Vec2, Vec4};
 use rayon::prelude::*;
 
+use crate::colors::Tap;
 use crate::image::{Image, LevelRange, Transfer};
 use crate::math::transfer::{linear_to_srgb, srgb_slope};
 
@@ -22,12 +23,11 @@ pub fn read_back(
     let change = |found: Vec4, wanted: Vec4| {
         f64::from((difference(channel.codec.transfer, found, wanted) * is_stored).max_element() * 255.0)
     };
-    let of_copy = |value: &Vec4| {
-        // Each face stores a version of its own of a normal: all are rounded alike.
-        let value = if channel.frames.is_some() { *value * 0.5 + 0.5 } else { *value };
-        change(range.round(value), value)
+    let of_copy = |value: Vec4| change(range.round(value), value);
+    let mut changes: Vec<f64> = match channel.frames {
+        None => values.samples.par_iter().map(|value| of_copy(*value)).collect(),
+        Some(_) => of_versions(channel, values, of_copy),
     };
-    let mut changes: Vec<f64> = values.samples.par_iter().map(of_copy).collect();
     let numbering = channel.numbering;
     let scale = (-(numbering.level as f32)).exp2();
     for (face, placement) in channel.layout.placements.iter().enumerate() {
@@ -42,6 +42,29 @@ pub fn read_back(
             let wanted = channel.stored(face, values.fans[sample], s, t).as_vec4();
             let place = channel.layout.scaled(face, corner) * scale + channel.layout.offset(face);
             changes[sample] = changes[sample].max(change(bilinear(image, range, place), wanted));
+        }
+    }
+    changes
+}
+
+/// Normals up to vertex colors: each face stores a version of its own, and the one that changes most counts.
+fn of_versions(channel: &LevelChannel<'_>, values: &LevelValues, change: impl Fn(Vec4) -> f64) -> Vec<f64> {
+    let numbering = channel.numbering;
+    let mut changes = vec![0.0f64; values.samples.len()];
+    for (face, canvas_face) in numbering.canvas.faces.iter().enumerate() {
+        if channel.layout.blocks[channel.layout.placements[face].block as usize].is_beyond(numbering.level) {
+            continue;
+        }
+        let n = numbering.segments(face);
+        let end = |j: u32| if canvas_face.is_triangle() { n - j } else { n };
+        for (i, j) in (0..=n).flat_map(|j| (0..=end(j)).map(move |i| (i, j))) {
+            let Tap { samples: [sample, _], second } = numbering.tap(face, i, j);
+            if second == 0.0 {
+                let [s, t] = [i, j].map(|k| k as f32 / n as f32);
+                let value = values.samples[sample as usize].as_dvec4();
+                let changed = &mut changes[sample as usize];
+                *changed = changed.max(change(channel.stored(face, value, s, t).as_vec4()));
+            }
         }
     }
     changes

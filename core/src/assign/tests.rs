@@ -2,8 +2,8 @@ use glam::{DVec2, Vec2, Vec3, Vec4};
 
 use super::paint::corner_weights;
 use super::{
-    Codec, LevelChannel, LevelValues, NormalFrames, Range, Rounding, Storing, choose_frames, choose_range,
-    paint, read_back, rules,
+    Codec, LevelChannel, LevelValues, Need, NormalFrames, Range, Rounding, Storing, choose_frames,
+    need_of_range, paint, range_of, read_back, rules,
 };
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions};
 use crate::image::{Image, LevelRange, Pixels, Transfer, Wrap, WrapMode, bilinear};
@@ -38,22 +38,30 @@ fn triangle_and_quad(exponents: [u8; 2], levels: usize) -> Case {
     Case { layout: layout.unwrap(), canvas, resolutions }
 }
 
-fn painted(case: &Case, level: usize, value: impl Fn(usize) -> f32) -> (Image, Vec<Vec4>, usize) {
+/// One channel at one level, all edges joined; with the number of its vertex samples.
+fn on_level<T>(
+    case: &Case,
+    level: usize,
+    (codec, frames): (Codec, Option<&NormalFrames>),
+    then: impl FnOnce(&LevelChannel<'_>, usize) -> T,
+) -> T {
     let cuts = Cuts::none(&case.canvas);
     let topology = ChannelTopology::new(&case.canvas, &case.resolutions, &cuts);
     let numbering = LevelNumbering::new(&case.canvas, &topology, &case.resolutions, level);
-    let channel = LevelChannel {
-        layout: &case.layout,
-        numbering: &numbering,
-        cuts: &cuts,
-        codec: DATA16,
-        frames: None,
-    };
-    let values: Vec<Vec4> = (0..numbering.sample_count()).map(|k| Vec4::splat(value(k))).collect();
-    let row_count = rules(&channel).len();
-    let level = LevelValues::new(values.clone(), topology.fan_count());
-    (paint(&channel, &level, PLAIN, &Unwatched).unwrap(), values, row_count)
+    let channel = LevelChannel { layout: &case.layout, numbering: &numbering, cuts: &cuts, codec, frames };
+    then(&channel, topology.fan_count())
 }
+
+fn painted(case: &Case, level: usize, value: impl Fn(usize) -> f32) -> (Image, Vec<Vec4>, usize) {
+    on_level(case, level, (DATA16, None), |channel, fan_count| {
+        let samples: Vec<Vec4> =
+            (0..channel.numbering.sample_count()).map(|k| Vec4::splat(value(k))).collect();
+        let values = LevelValues::new(samples.clone(), fan_count);
+        (paint(channel, &values, PLAIN, &Unwatched).unwrap(), samples, rules(channel).len())
+    })
+}
+
+const COLOR8: Codec = Codec { transfer: Transfer::Srgb, components: 3, bits: 8 };
 
 /// Far apart colors beyond vertex colors: the range that the level asks for, and its image.
 fn in_range(
@@ -62,25 +70,37 @@ fn in_range(
     range: Range,
     value: impl Fn(usize) -> f32,
 ) -> Option<(LevelRange, Image)> {
-    let cuts = Cuts::none(&case.canvas);
-    let topology = ChannelTopology::new(&case.canvas, &case.resolutions, &cuts);
-    let numbering = LevelNumbering::new(&case.canvas, &topology, &case.resolutions, level);
-    let channel = LevelChannel {
-        layout: &case.layout,
-        numbering: &numbering,
-        cuts: &cuts,
-        codec: Codec { transfer: Transfer::Srgb, components: 3, bits: 8 },
-        frames: None,
+    on_level(case, level, (COLOR8, None), |channel, fan_count| {
+        let samples = (0..channel.numbering.sample_count()).map(|k| Vec4::splat(value(k))).collect();
+        let values = LevelValues::new(samples, fan_count);
+        if need_of_range(channel, &values, range, &Unwatched).unwrap() == Need::Plain {
+            return None;
+        }
+        let range = range_of(channel, &values, range, &Unwatched).unwrap();
+        let storing = Storing { rounding: Rounding::Rules, range: Some(range) };
+        let image = paint(channel, &values, storing, &Unwatched).unwrap();
+        let changes = read_back(channel, &values, &image, &range);
+        assert_eq!(changes.len(), channel.numbering.sample_count());
+        assert!(changes.iter().all(|change| *change < 0.7), "{changes:?}");
+        Some((range, image))
+    })
+}
+
+/// What two far colors ask for grows with the level; what is wider than any range says so.
+#[test]
+fn what_no_range_is_wide_enough_for_is_told() {
+    let case = triangle_and_quad([0, 0], 5);
+    let need = |level: usize, apart: f32| {
+        on_level(&case, level, (COLOR8, None), |channel, fan_count| {
+            let samples = (0..channel.numbering.sample_count()).map(|k| Vec4::splat(apart * (k % 2) as f32));
+            let values = LevelValues::new(samples.collect(), fan_count);
+            need_of_range(channel, &values, Range::Float16, &Unwatched).unwrap()
+        })
     };
-    let samples = (0..numbering.sample_count()).map(|k| Vec4::splat(value(k))).collect();
-    let values = LevelValues::new(samples, topology.fan_count());
-    let range = choose_range(&channel, &values, range, &Unwatched).unwrap()?;
-    let storing = Storing { rounding: Rounding::Rules, range: Some(range) };
-    let image = paint(&channel, &values, storing, &Unwatched).unwrap();
-    let changes = read_back(&channel, &values, &image, &range);
-    assert_eq!(changes.len(), numbering.sample_count());
-    assert!(changes.iter().all(|change| *change < 0.7), "{changes:?}");
-    Some((range, image))
+    assert_eq!(need(1, 1.0), Need::Ranged { is_too_wide: false });
+    assert_eq!(need(4, 1.0), Need::Ranged { is_too_wide: true });
+    assert_eq!(need(4, 0.1), Need::Ranged { is_too_wide: false });
+    assert_eq!(need(4, 0.0), Need::Plain);
 }
 
 /// Texels out of [0, 1] are stored, and read back to the corner colors on both sides.
@@ -253,6 +273,27 @@ fn a_flat_color_stays_flat_at_any_distance() {
         let read = at(&quads, &image, level, 1, &[(0, 0.25), (1, 0.25), (2, 0.25), (3, 0.25)]);
         assert!((read - 0.7).abs() < 2e-5, "level {level}: {read}");
     }
+}
+
+/// Normals are read back as faces store them: those along the axes of a model too.
+#[test]
+fn normals_in_a_range_are_changed_by_its_rounding_alone() {
+    let case = triangle_and_quad([0, 2], 3);
+    let across = vec![[Vec3::X; 4]; 2];
+    let frames = choose_frames(&case.canvas, &across, |_| None, 1.0);
+    let lean =
+        |k: usize| Vec3::new(1.0, 0.02 * (k % 5) as f32, -0.03 * (k % 3) as f32).normalize().extend(1.0);
+    let codec = Codec { transfer: Transfer::Linear, components: 3, bits: 8 };
+    on_level(&case, 1, (codec, Some(&frames)), |channel, fan_count| {
+        let samples: Vec<Vec4> = (0..channel.numbering.sample_count()).map(lean).collect();
+        let values = LevelValues::new(samples, fan_count);
+        let range = range_of(channel, &values, Range::Scaled16, &Unwatched).unwrap();
+        let storing = Storing { rounding: Rounding::Rules, range: Some(range) };
+        let image = paint(channel, &values, storing, &Unwatched).unwrap();
+        let changes = read_back(channel, &values, &image, &range);
+        assert!(changes.iter().all(|change| *change < 0.1), "{changes:?}");
+        assert!(changes.iter().filter(|change| **change > 0.0).count() > changes.len() / 2, "{changes:?}");
+    });
 }
 
 /// Lines of normals, interpolated along the line, give what one point at a time gives.

@@ -201,7 +201,8 @@ pub struct SolverReport {
     pub components: Vec<SolverComponent>,
 }
 
-/// What storing did to the samples of one level in a range of its own, where nothing is solved.
+/// What storing did to the samples of one level in a range of its own. What the solver did before is in
+/// [`SolverReport`]: there it is few samples that no range is wide enough for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StoredReport {
     pub level: u32,

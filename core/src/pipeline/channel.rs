@@ -6,8 +6,8 @@ use glam::Vec4;
 
 use crate::asset::Slot;
 use crate::assign::{
-    Codec, LevelChannel, LevelValues, NormalFrames, Range, Rounding, Storing, choose_range, paint, read_back,
-    rules,
+    Codec, LevelChannel, LevelValues, Need, NormalFrames, RANGE_WIDTH, Range, Rounding, Storing,
+    need_of_range, paint, range_of, read_back, rules,
 };
 use crate::colors::{Cuts, LevelNumbering, Resolutions};
 use crate::error::Result;
@@ -22,7 +22,7 @@ use crate::watch::{Stage, Watch};
 
 use super::bare_normals::{show, take_bare};
 use super::changes::Changes;
-use super::represent::represent;
+use super::represent::{Task, represent};
 
 pub struct ChannelInput<'a> {
     pub channel: &'a SourceChannel<'a>,
@@ -161,13 +161,19 @@ fn finish_level(
         frames: input.frames,
     };
     let mut wanted = LevelValues::new(wanted, numbering.topology.fan_count());
-    let range = choose_range(&level_channel, &wanted, input.range, watch)?;
-    if range.is_none() {
+    let need = need_of_range(&level_channel, &wanted, input.range, watch)?;
+    if need != (Need::Ranged { is_too_wide: false }) {
+        let width = if need == Need::Plain { 1.0 } else { f64::from(RANGE_WIDTH) };
+        let task = Task { solver: input.solver, width };
         let rules = rules(&level_channel);
         watch.stage(Stage::Solve);
-        finished.solver.extend(represent(&level_channel, &rules, &mut wanted, input.solver, watch)?);
+        finished.solver.extend(represent(&level_channel, &rules, &mut wanted, task, watch)?);
         watch.stage(Stage::Assign);
     }
+    let range = match need {
+        Need::Plain => None,
+        Need::Ranged { .. } => Some(range_of(&level_channel, &wanted, input.range, watch)?),
+    };
     let storing = Storing { rounding: input.rounding, range };
     let image = paint(&level_channel, &wanted, storing, watch)?;
     if let Some(range) = range {

@@ -238,7 +238,9 @@ fn effects(materials: &[MaterialConversion], options: &Options) -> Vec<Effect> {
             ),
             match options.range {
                 Range::Unorm8 => "the bounded format was asked for",
-                Range::Scaled16 | Range::Float16 => "no texel beyond vertex colors was out of range",
+                Range::Scaled16 | Range::Float16 => {
+                    "on no level did more texels beyond vertex colors leave [0, 1] than 5 % of its samples"
+                }
             },
         ),
         effect(

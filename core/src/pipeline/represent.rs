@@ -20,6 +20,14 @@ use super::changes::Changes;
 /// must not make it singular.
 const WEIGHT_FLOOR: f64 = 1e-4;
 
+/// What is asked for: every texel within `width` around 1/2, by one of the solvers.
+#[derive(Clone, Copy, Debug)]
+pub struct Task {
+    pub solver: Solver,
+    /// 1 for [0, 1].
+    pub width: f64,
+}
+
 /// Brings the samples to where every texel can be stored; `None` where nothing was out of range.
 ///
 /// # Errors
@@ -28,10 +36,10 @@ pub fn represent(
     channel: &LevelChannel<'_>,
     rules: &Rules,
     values: &mut LevelValues,
-    solver: Solver,
+    Task { solver, width }: Task,
     watch: &dyn Watch,
 ) -> Result<Option<SolverReport>> {
-    let systems = if channel.frames.is_some() { vec![System::Normals] } else { System::components(channel) };
+    let systems = System::all(channel, width);
     let wanted: Vec<Vec<f64>> =
         systems.par_iter().map(|system| system.gather(rules, &values.samples)).collect();
     let is_violated = |wanted: &Vec<f64>| {
@@ -65,7 +73,7 @@ pub fn represent(
     if solver == Solver::Local {
         part(channel, rules, values, &systems, &solved);
     }
-    let mut report = report(rules, &solved);
+    let mut report = report(rules, &solved, width);
     let changes = Changes::among(changes(channel, &before, &after), values.samples.len());
     report.level = channel.numbering.level as u32;
     report.change_mean_codes = changes.mean_codes;
@@ -128,15 +136,16 @@ fn stop_rule(solver: Solver) -> &'static str {
     }
 }
 
-fn report(rules: &Rules, solved: &[&Solved]) -> SolverReport {
+/// In linear values, of which the solver's unit is `width`.
+fn report(rules: &Rules, solved: &[&Solved], width: f64) -> SolverReport {
     let component = |solved: &&Solved| SolverComponent {
         variable_count: solved.solution.values.len() as u64,
         violated_count: solved.solution.violated_count,
         iteration_count: solved.solution.step_count,
-        objective: solved.solution.objective,
-        residual: solved.solution.residual,
-        dual_residual: solved.solution.dual_residual,
-        complementarity: solved.solution.complementarity,
+        objective: solved.solution.objective * width * width,
+        residual: solved.solution.residual * width,
+        dual_residual: solved.solution.dual_residual * width,
+        complementarity: solved.solution.complementarity * width * width,
     };
     let components: Vec<SolverComponent> = solved.iter().map(component).collect();
     let largest = |figure: fn(&SolverComponent) -> f64| components.iter().map(figure).fold(0.0, f64::max);
@@ -147,7 +156,7 @@ fn report(rules: &Rules, solved: &[&Solved]) -> SolverReport {
         residual: largest(|component| component.residual),
         dual_residual: largest(|component| component.dual_residual),
         complementarity: largest(|component| component.complementarity),
-        tolerance: TOLERANCE,
+        tolerance: TOLERANCE * width,
         objective: components.iter().map(|component| component.objective).sum(),
         components,
         ..SolverReport::default()
@@ -176,6 +185,7 @@ fn part(
                 let count = channel.numbering.canvas.faces[face].count();
                 for &(variable, value) in &change.values {
                     let (sample, component) = system.place(rules.variables()[variable as usize]);
+                    let value = system.value(value);
                     let corners = values.corners[face][..count].iter_mut().zip(fan_of[face]);
                     let own = corners.filter(|(_, fan)| *fan as usize == sample);
                     own.for_each(|(corner, _)| corner[component] = value);
@@ -206,9 +216,16 @@ fn samples_of(channel: &LevelChannel<'_>, rules: &Rules, values: &[Vec4]) -> Vec
     samples.into_iter().map(|sample| values[sample as usize]).collect()
 }
 
-/// The variables that one solve is about.
+/// The variables that one solve is about, and its unit.
+#[derive(Clone, Copy, PartialEq)]
+struct System {
+    of: Of,
+    /// The solver's 0 to 1 are so much around 1/2, or around 0 for normals, whose rows add the 1/2.
+    width: f64,
+}
+
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum System {
+enum Of {
     /// One component of every sample.
     Component(usize),
     /// All three components of every normal, which the frames mix.
@@ -216,31 +233,49 @@ enum System {
 }
 
 impl System {
-    fn components(channel: &LevelChannel<'_>) -> Vec<Self> {
-        channel.codec.stored().iter().map(|&component| System::Component(component)).collect()
+    fn all(channel: &LevelChannel<'_>, width: f64) -> Vec<Self> {
+        if channel.frames.is_some() {
+            return vec![Self { of: Of::Normals, width }];
+        }
+        let components = channel.codec.stored().iter();
+        components.map(|&component| Self { of: Of::Component(component), width }).collect()
     }
 
-    /// The values of the rules' variables.
+    fn middle(self) -> f64 {
+        if self.of == Of::Normals { 0.0 } else { 0.5 }
+    }
+
+    /// In the solver's unit. The range [0, 1] is left to the last bit.
+    fn in_unit(self, value: f64) -> f64 {
+        if self.width == 1.0 { value } else { self.middle() + (value - self.middle()) / self.width }
+    }
+
+    /// Back from the solver's unit.
+    fn value(self, in_unit: f64) -> f64 {
+        if self.width == 1.0 { in_unit } else { self.middle() + (in_unit - self.middle()) * self.width }
+    }
+
+    /// The values of the rules' variables, in the solver's unit.
     fn gather(self, rules: &Rules, values: &[Vec4]) -> Vec<f64> {
-        let variables = rules.variables().iter().map(|&variable| variable as usize);
-        match self {
-            System::Component(k) => variables.map(|sample| f64::from(values[sample][k])).collect(),
-            System::Normals => variables.map(|at| f64::from(values[at / 3][at % 3])).collect(),
-        }
+        let value = |&variable: &u32| {
+            let (sample, component) = self.place(variable);
+            self.in_unit(f64::from(values[sample][component]))
+        };
+        rules.variables().iter().map(value).collect()
     }
 
     fn scatter(self, rules: &Rules, solved: &[f64], values: &mut LevelValues) {
-        for (&variable, &value) in rules.variables().iter().zip(solved) {
+        for (&variable, &in_unit) in rules.variables().iter().zip(solved) {
             let (sample, component) = self.place(variable);
-            values.set(sample, component, value);
+            values.set(sample, component, self.value(in_unit));
         }
     }
 
     /// Sample and component of a variable.
     fn place(self, variable: u32) -> (usize, usize) {
-        match self {
-            System::Component(k) => (variable as usize, k),
-            System::Normals => (variable as usize / 3, variable as usize % 3),
+        match self.of {
+            Of::Component(k) => (variable as usize, k),
+            Of::Normals => (variable as usize / 3, variable as usize % 3),
         }
     }
 }

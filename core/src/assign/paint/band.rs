@@ -64,7 +64,11 @@ impl Band<'_> {
         match &mut self.sheet {
             Sheet::Codes8(codes) => write_line8(&self.codec.plain, codes, line),
             Sheet::Codes16(codes) => write_line16(&self.codec, codes, line),
-            Sheet::Extent(extent) => line.values.iter().for_each(|value| extent.add(*value)),
+            Sheet::Extent(extent) => {
+                let unstored = self.codec.plain.unstored();
+                let inside = Vec4::splat(0.5);
+                line.values.iter().for_each(|value| extent.add(Vec4::select(unstored, inside, *value)));
+            }
         }
     }
 

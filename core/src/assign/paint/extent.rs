@@ -1,4 +1,4 @@
-//! Which levels ask for a range, and for which: by the values that their texels would store.
+//! Which levels need a range, and which: by the values that their texels would store.
 
 use rayon::prelude::*;
 
@@ -16,40 +16,66 @@ use crate::assign::{LevelChannel, LevelValues, Range, Rounding};
 /// A level is worth a range of its own where it has more texels beyond vertex colors that leave [0, 1] than
 /// this share of its samples. Up to there the solver leaves 95 % of the samples as they are.
 const OUTSIDE_SHARE: f64 = 0.05;
-/// 16 bits that span more than this are too coarse for what shows in between. Faces that ask for more have
-/// slopes that no filter with weights of few bits could follow either: such a level is solved.
-const VALUE_MAX: f32 = 8.0;
+/// The width of the values that a level in a range may have, around 1/2. Sixteen bits that span more are too coarse for
+/// what shows in between, and no filter with weights of few bits could follow the slopes of such a face. What asks
+/// for more is solved, as texels outside of [0, 1] are at other levels.
+pub const RANGE_WIDTH: f32 = 8.0;
 
-/// The range that a level is stored in; `None` where it stays as the source has it: in the bounded format,
-/// where every face is up to its vertex colors, where few texels leave [0, 1] and where some leave it too
-/// far. With a range nothing is to be solved.
+/// What a level has to be stored in, before anything was solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// The format of the source: codes of [0, 1].
+    Plain,
+    /// A range of its own; whether some texels want to be outside of [`RANGE_WIDTH`].
+    Ranged { is_too_wide: bool },
+}
+
+/// Whether a level is to have a range: not in the bounded format, not where every face is up to its vertex colors
+/// and not where few texels leave [0, 1].
 ///
 /// Level 0 has none: no face is beyond vertex colors there.
 ///
 /// # Errors
 /// `Canceled`.
-pub fn choose_range(
+pub fn need_of_range(
     channel: &LevelChannel<'_>,
     values: &LevelValues,
     range: Range,
     watch: &dyn Watch,
-) -> Result<Option<LevelRange>> {
-    let codec = LevelCodec { plain: channel.codec, range: None };
-    let painter = Painter { channel, values, codec, rounding: Rounding::Nearest };
+) -> Result<Need> {
+    let painter = plain(channel, values);
     if range == Range::Unorm8 || !channel.layout.blocks.iter().any(|block| painter.is_beyond(block)) {
-        return Ok(None);
+        return Ok(Need::Plain);
     }
     let beyond = painter.extent(true, watch)?;
     if beyond.outside_count as f64 <= OUTSIDE_SHARE * channel.numbering.sample_count() as f64 {
-        return Ok(None);
+        return Ok(Need::Plain);
     }
-    // Half floats hold whatever the texels up to vertex colors may be.
-    let is_float = range == Range::Float16;
-    let all = if is_float { beyond } else { beyond.join(painter.extent(false, watch)?) };
-    if all.low.abs().max(all.high.abs()).max_element() > VALUE_MAX {
-        return Ok(None);
+    let far = (beyond.low - 0.5).abs().max((beyond.high - 0.5).abs()).max_element();
+    Ok(Need::Ranged { is_too_wide: far > 0.5 * RANGE_WIDTH })
+}
+
+/// The range that holds a level's texels.
+///
+/// # Errors
+/// `Canceled`.
+pub fn range_of(
+    channel: &LevelChannel<'_>,
+    values: &LevelValues,
+    range: Range,
+    watch: &dyn Watch,
+) -> Result<LevelRange> {
+    if range == Range::Float16 {
+        return Ok(LevelRange::Float16);
     }
-    Ok(Some(if is_float { LevelRange::Float16 } else { LevelRange::spanning(all.low, all.high) }))
+    let painter = plain(channel, values);
+    let all = painter.extent(true, watch)?.join(painter.extent(false, watch)?);
+    Ok(LevelRange::spanning(all.low, all.high))
+}
+
+fn plain<'a>(channel: &'a LevelChannel<'a>, values: &'a LevelValues) -> Painter<'a> {
+    let codec = LevelCodec { plain: channel.codec, range: None };
+    Painter { channel, values, codec, rounding: Rounding::Nearest }
 }
 
 impl Painter<'_> {

@@ -7,7 +7,7 @@ mod extent;
 mod up_to_vertex;
 
 pub(super) use beyond::{BeyondCell, corner_weights};
-pub use extent::choose_range;
+pub use extent::{Need, RANGE_WIDTH, need_of_range, range_of};
 
 use rayon::prelude::*;
 
