@@ -161,7 +161,7 @@ impl ActiveSet<'_> {
     fn beside(&mut self, bound: Bound) -> (Vec<f64>, f64) {
         let terms = self.island.terms(bound.row);
         let mut square = 0.0;
-        for &(v, weight) in terms {
+        for (v, weight) in terms {
             let scaled = bound.sign * weight * self.inverse[v as usize];
             self.scattered[v as usize] = scaled;
             square += bound.sign * weight * scaled;
@@ -172,7 +172,7 @@ impl ActiveSet<'_> {
             let (before, diagonal) = row.split_at(beside.len());
             beside.push((product - dot(before, &beside)) / diagonal[0]);
         }
-        for &(v, _) in terms {
+        for (v, _) in self.island.terms(bound.row) {
             self.scattered[v as usize] = 0.0;
         }
         (beside, square)
@@ -190,7 +190,7 @@ impl ActiveSet<'_> {
     }
 
     fn move_by(&mut self, bound: Bound, length: f64) {
-        for &(v, weight) in self.island.terms(bound.row) {
+        for (v, weight) in self.island.terms(bound.row) {
             self.values[v as usize] += length * bound.sign * weight * self.inverse[v as usize];
         }
     }
@@ -217,7 +217,7 @@ impl ActiveSet<'_> {
         let mut pull = vec![0.0; wanted.len()];
         for (bound, multiplier) in self.bounds.iter().zip(&self.multipliers) {
             let terms = self.island.terms(bound.row);
-            terms.iter().for_each(|&(v, weight)| pull[v as usize] += multiplier * bound.sign * weight);
+            terms.for_each(|(v, weight)| pull[v as usize] += multiplier * bound.sign * weight);
         }
         for (at, value) in self.values.iter_mut().enumerate() {
             *value = wanted[at] + pull[at] * self.inverse[at];
