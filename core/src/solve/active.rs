@@ -10,6 +10,9 @@ use super::interior::Outcome;
 use super::island::Island;
 use super::problem::TOLERANCE;
 
+#[cfg(test)]
+mod tests;
+
 /// Rows that may bind at once: each costs a row of a dense triangle.
 const ACTIVE_MAX: usize = 96;
 /// Rows that come in or go; an island of few needs few more than it has in the end.

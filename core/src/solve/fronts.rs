@@ -64,12 +64,8 @@ impl Fronts {
     pub fn new(island: &Island) -> Option<Self> {
         let count = island.variables().len();
         if count <= DENSE_MAX {
-            let front = Front::new(0, count, Vec::new());
-            return Some(Self {
-                positions: (0..count as u32).collect(),
-                fronts: vec![front],
-                front_of: vec![0; count],
-            });
+            let fronts = if count > 0 { vec![Front::new(0, count, Vec::new())] } else { Vec::new() };
+            return Some(Self { positions: (0..count as u32).collect(), fronts, front_of: vec![0; count] });
         }
         let neighbors = neighbors(island);
         let mut positions = minimum_degree(&neighbors)?;

@@ -6,6 +6,9 @@
 use super::fronts::{Front, Fronts};
 use super::island::Island;
 
+#[cfg(test)]
+mod tests;
+
 /// The pattern of an island's matrix, with room for its factor.
 pub struct Matrix {
     fronts: Fronts,
