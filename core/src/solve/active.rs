@@ -35,10 +35,12 @@ pub fn solve_active(island: &Island, wanted: &[f64], weights: &[f64]) -> Option<
         factor: Vec::new(),
         scattered: vec![0.0; wanted.len()],
     };
-    let mut step_count = 0;
+    let (mut step_count, mut rows) = (0, Vec::new());
     loop {
         // Any violated row may come in next, so all are looked through only when those of before are done.
-        let violated: Vec<usize> = (0..island.row_count()).filter(|&row| set.lack(row).is_some()).collect();
+        island.apply(&set.values, &mut rows);
+        let violated: Vec<usize> =
+            (0..rows.len()).filter(|&row| set.lack_of(row, rows[row]).is_some()).collect();
         if violated.is_empty() {
             break;
         }
@@ -77,8 +79,11 @@ struct ActiveSet<'a> {
 impl ActiveSet<'_> {
     /// The side on which a row is violated, and by how much, at unit length.
     fn lack(&self, row: usize) -> Option<(f64, f64)> {
+        self.lack_of(row, self.island.row_of(row, &self.values))
+    }
+
+    fn lack_of(&self, row: usize, value: f64) -> Option<(f64, f64)> {
         let (low, high) = (self.island.low()[row], self.island.high()[row]);
-        let value = self.island.row_of(row, &self.values);
         let entering = ENTERING * self.island.scale(row);
         if value < low - entering {
             Some((1.0, low - value))

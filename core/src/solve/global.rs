@@ -21,6 +21,7 @@ const NEAR_BOUND: [f64; 3] = [0.03, 0.3, 0.5];
 const RINGS: usize = 10;
 /// Each round takes in what the last one pushed out of range; more than a few are rare.
 const ROUNDS_MAX: usize = 200;
+const NOWHERE: u32 = u32::MAX;
 
 /// Solves to [`TOLERANCE`]. The result depends on nothing but the problem.
 pub fn solve(problem: &Problem<'_>, canceled: &(dyn Fn() -> bool + Sync)) -> Solution {
@@ -31,7 +32,7 @@ pub fn solve(problem: &Problem<'_>, canceled: &(dyn Fn() -> bool + Sync)) -> Sol
     }
     let mut state = State::new(problem, &mut solution);
     for round in 0..ROUNDS_MAX {
-        if !state.admit_violated(NEAR_BOUND[round.min(NEAR_BOUND.len() - 1)]) || canceled() {
+        if !state.admit_violated(round) || canceled() {
             break;
         }
         state.solve_islands(canceled);
@@ -47,6 +48,8 @@ struct State<'a> {
     solution: &'a mut Solution,
     /// By group of rules.
     is_active: Vec<bool>,
+    /// By group: the round in which its rules were last looked at.
+    looked_at: Vec<usize>,
     /// By variable: its own bounds are in.
     is_bounded: Vec<bool>,
     /// Rows that are in.
@@ -61,7 +64,7 @@ struct State<'a> {
     is_costly: Vec<bool>,
     /// Variables that were solved since violations were last looked for; all of them at first.
     moved: Vec<u32>,
-    /// By variable, its place in its island, while islands are put together.
+    /// By variable, its place in its island, while that is put together; else [`NOWHERE`].
     places: Vec<u32>,
 }
 
@@ -73,6 +76,7 @@ impl<'a> State<'a> {
             links: problem.rules.links(),
             solution,
             is_active: vec![false; problem.rules.group_count()],
+            looked_at: vec![usize::MAX; problem.rules.group_count()],
             is_bounded: vec![false; variable_count],
             active_rows: Vec::new(),
             is_touched: vec![false; variable_count],
@@ -80,20 +84,23 @@ impl<'a> State<'a> {
             is_stale: vec![false; variable_count],
             is_costly: vec![false; variable_count],
             moved: (0..variable_count as u32).collect(),
-            places: vec![0; variable_count],
+            places: vec![NOWHERE; variable_count],
         }
     }
 
     /// Takes in what is violated and not yet in, and what is near to it. Returns whether there was any.
-    fn admit_violated(&mut self, near_bound: f64) -> bool {
+    fn admit_violated(&mut self, round: usize) -> bool {
+        let near_bound = NEAR_BOUND[round.min(NEAR_BOUND.len() - 1)];
         let (problem, links) = (self.problem, self.links);
         let before = self.active_rows.len();
         let moved = std::mem::take(&mut self.moved);
         let mut frontier = Vec::new();
         for &variable in &moved {
             for &group in links.groups(variable) {
+                let is_new = std::mem::replace(&mut self.looked_at[group as usize], round) != round;
                 let is_violated = |row| problem.violation(row, &self.solution.values) > TOLERANCE;
-                if !self.is_active[group as usize] && problem.rules.group(group as usize).any(is_violated) {
+                let is_out = is_new && !self.is_active[group as usize];
+                if is_out && problem.rules.group(group as usize).any(is_violated) {
                     self.admit_group(group, &mut frontier);
                 }
             }
@@ -228,10 +235,13 @@ impl<'a> State<'a> {
         let bounded = |row: usize| row.checked_sub(rules.len()).map(|variable| variable as u32);
         let mut variables: Vec<u32> = Vec::new();
         for &(_, row) in keyed {
-            variables.extend(terms(row).iter().map(|term| term.0).chain(bounded(row)));
+            for variable in terms(row).iter().map(|term| term.0).chain(bounded(row)) {
+                if std::mem::replace(&mut self.places[variable as usize], 0) == NOWHERE {
+                    variables.push(variable);
+                }
+            }
         }
         variables.sort_unstable();
-        variables.dedup();
         for (place, &variable) in variables.iter().enumerate() {
             self.places[variable as usize] = place as u32;
         }
@@ -243,6 +253,7 @@ impl<'a> State<'a> {
                 None => island.push(terms(row).iter().copied().map(place), f64::from(rules.constant(row))),
             }
         }
+        island.variables().iter().for_each(|&variable| self.places[variable as usize] = NOWHERE);
         island
     }
 }
