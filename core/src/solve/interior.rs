@@ -1,12 +1,13 @@
 //! One island of rules by a feasible primal-dual interior point method.
 //!
 //! (S. Mehrotra, "On the implementation of a primal-dual interior point method", SIAM J. Optimization 2,
-//! 1992.) It starts at the constant that keeps every rule and never leaves the rules, so whatever it ends
-//! with can be stored. The number of steps hardly depends on how the rules lean on each other, which first-
+//! 1992.) It starts between the wanted values and the constant that keeps every rule and never leaves the
+//! rules, so whatever it ends with can be stored. The number of steps hardly depends on how the rules lean on each other, which first-
 //! order methods cannot say: beyond vertex colors the rules of a face are nearly parallel.
 
 use super::island::Island;
 use super::matrix::Matrix;
+use super::problem::TOLERANCE;
 use super::step::{Direction, Room};
 
 /// Mean of slack times multiplier, and largest entry of the gradient, at which a solution may be good: a
@@ -101,7 +102,8 @@ impl<'a> Iterate<'a> {
         let (mut lack, mut unit_lack): (f64, f64) = (0.0, 0.0);
         for row in 0..island.row_count() {
             let value = island.row_of(row, &wanted);
-            let by = (island.low()[row] - value).max(value - island.high()[row]).max(0.0);
+            let by = (island.low()[row] - value).max(value - island.high()[row]);
+            let by = by.max(TOLERANCE * island.scale(row));
             unit_lack = unit_lack.max(by);
             lack = lack.max(by / island.scale(row));
         }

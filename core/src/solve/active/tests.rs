@@ -64,9 +64,8 @@ fn eliminate(system: &mut [Vec<f64>]) -> Option<Vec<f64>> {
         }
         for other in (0..count).filter(|&other| other != at) {
             let factor = system[other][at] / system[at][at];
-            for k in at..=count {
-                system[other][k] -= factor * system[at][k];
-            }
+            let row = system[at].clone();
+            system[other].iter_mut().zip(row).for_each(|(entry, by)| *entry -= factor * by);
         }
     }
     Some((0..count).map(|at| system[at][count] / system[at][at]).collect())
