@@ -128,9 +128,9 @@ fn stop_rule(solver: Solver) -> &'static str {
             "a face when no texel of it is out of range by more than the tolerance, or after nine steps"
         }
         Solver::Global => {
-            "an island of few binding rules when all hold to a tenth of the tolerance, another at complementarity \
-             1e-8, gradient 1e-7 and a gap of 2e-4 of its objective; the level when no rule is broken by more \
-             than the tolerance"
+            "an island of few binding rules when all hold to a tenth of the tolerance, another when its duality gap \
+             proves the objective to be within 0.05 % of the optimum, at complementarity and gradient of 1e-6; \
+             the level when no rule is broken by more than the tolerance"
         }
         Solver::Exact => "the level at a gap and residuals of 1e-9",
     }

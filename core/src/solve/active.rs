@@ -10,6 +10,9 @@ use super::interior::Outcome;
 use super::island::Island;
 use super::problem::TOLERANCE;
 
+#[cfg(test)]
+mod tests;
+
 /// Rows that may bind at once: each costs a row of a dense triangle.
 const ACTIVE_MAX: usize = 96;
 /// Rows that come in or go; an island of few needs few more than it has in the end.
@@ -32,10 +35,12 @@ pub fn solve_active(island: &Island, wanted: &[f64], weights: &[f64]) -> Option<
         factor: Vec::new(),
         scattered: vec![0.0; wanted.len()],
     };
-    let mut step_count = 0;
+    let (mut step_count, mut rows) = (0, Vec::new());
     loop {
         // Any violated row may come in next, so all are looked through only when those of before are done.
-        let violated: Vec<usize> = (0..island.row_count()).filter(|&row| set.lack(row).is_some()).collect();
+        island.apply(&set.values, &mut rows);
+        let violated: Vec<usize> =
+            (0..rows.len()).filter(|&row| set.lack_of(row, rows[row]).is_some()).collect();
         if violated.is_empty() {
             break;
         }
@@ -74,8 +79,11 @@ struct ActiveSet<'a> {
 impl ActiveSet<'_> {
     /// The side on which a row is violated, and by how much, at unit length.
     fn lack(&self, row: usize) -> Option<(f64, f64)> {
+        self.lack_of(row, self.island.row_of(row, &self.values))
+    }
+
+    fn lack_of(&self, row: usize, value: f64) -> Option<(f64, f64)> {
         let (low, high) = (self.island.low()[row], self.island.high()[row]);
-        let value = self.island.row_of(row, &self.values);
         let entering = ENTERING * self.island.scale(row);
         if value < low - entering {
             Some((1.0, low - value))
@@ -161,7 +169,7 @@ impl ActiveSet<'_> {
     fn beside(&mut self, bound: Bound) -> (Vec<f64>, f64) {
         let terms = self.island.terms(bound.row);
         let mut square = 0.0;
-        for &(v, weight) in terms {
+        for (v, weight) in terms {
             let scaled = bound.sign * weight * self.inverse[v as usize];
             self.scattered[v as usize] = scaled;
             square += bound.sign * weight * scaled;
@@ -172,7 +180,7 @@ impl ActiveSet<'_> {
             let (before, diagonal) = row.split_at(beside.len());
             beside.push((product - dot(before, &beside)) / diagonal[0]);
         }
-        for &(v, _) in terms {
+        for (v, _) in self.island.terms(bound.row) {
             self.scattered[v as usize] = 0.0;
         }
         (beside, square)
@@ -190,7 +198,7 @@ impl ActiveSet<'_> {
     }
 
     fn move_by(&mut self, bound: Bound, length: f64) {
-        for &(v, weight) in self.island.terms(bound.row) {
+        for (v, weight) in self.island.terms(bound.row) {
             self.values[v as usize] += length * bound.sign * weight * self.inverse[v as usize];
         }
     }
@@ -217,7 +225,7 @@ impl ActiveSet<'_> {
         let mut pull = vec![0.0; wanted.len()];
         for (bound, multiplier) in self.bounds.iter().zip(&self.multipliers) {
             let terms = self.island.terms(bound.row);
-            terms.iter().for_each(|&(v, weight)| pull[v as usize] += multiplier * bound.sign * weight);
+            terms.for_each(|(v, weight)| pull[v as usize] += multiplier * bound.sign * weight);
         }
         for (at, value) in self.values.iter_mut().enumerate() {
             *value = wanted[at] + pull[at] * self.inverse[at];

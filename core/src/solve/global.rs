@@ -13,13 +13,15 @@ use super::island::Island;
 use super::problem::{Problem, Solution, TOLERANCE};
 
 /// Rules beside violated ones come in with them where they are this near to a bound: most of them would be
-/// pushed out and cost another round.
-const NEAR_BOUND: f64 = 0.03;
+/// pushed out and cost another round. By round, the last one for all that follow: 1/2 are all rules, since
+/// what is left to the later rounds would come in bit by bit.
+const NEAR_BOUND: [f64; 3] = [0.03, 0.3, 0.5];
 /// How many rules away from what came in that is looked for: a change next to a region that is black or
 /// white runs far into it.
 const RINGS: usize = 10;
 /// Each round takes in what the last one pushed out of range; more than a few are rare.
 const ROUNDS_MAX: usize = 200;
+const NOWHERE: u32 = u32::MAX;
 
 /// Solves to [`TOLERANCE`]. The result depends on nothing but the problem.
 pub fn solve(problem: &Problem<'_>, canceled: &(dyn Fn() -> bool + Sync)) -> Solution {
@@ -29,8 +31,8 @@ pub fn solve(problem: &Problem<'_>, canceled: &(dyn Fn() -> bool + Sync)) -> Sol
         return solution;
     }
     let mut state = State::new(problem, &mut solution);
-    for _ in 0..ROUNDS_MAX {
-        if !state.admit_violated() || canceled() {
+    for round in 0..ROUNDS_MAX {
+        if !state.admit_violated(round) || canceled() {
             break;
         }
         state.solve_islands(canceled);
@@ -46,6 +48,8 @@ struct State<'a> {
     solution: &'a mut Solution,
     /// By group of rules.
     is_active: Vec<bool>,
+    /// By group: the round in which its rules were last looked at.
+    looked_at: Vec<usize>,
     /// By variable: its own bounds are in.
     is_bounded: Vec<bool>,
     /// Rows that are in.
@@ -56,9 +60,11 @@ struct State<'a> {
     islands: Partition,
     /// By first variable of a row: the row came in after its island was last solved.
     is_stale: Vec<bool>,
+    /// By variable: its island took the interior method.
+    is_costly: Vec<bool>,
     /// Variables that were solved since violations were last looked for; all of them at first.
     moved: Vec<u32>,
-    /// By variable, its place in its island, while islands are put together.
+    /// By variable, its place in its island, while that is put together; else [`NOWHERE`].
     places: Vec<u32>,
 }
 
@@ -70,25 +76,31 @@ impl<'a> State<'a> {
             links: problem.rules.links(),
             solution,
             is_active: vec![false; problem.rules.group_count()],
+            looked_at: vec![usize::MAX; problem.rules.group_count()],
             is_bounded: vec![false; variable_count],
             active_rows: Vec::new(),
             is_touched: vec![false; variable_count],
             islands: Partition::new(variable_count),
             is_stale: vec![false; variable_count],
+            is_costly: vec![false; variable_count],
             moved: (0..variable_count as u32).collect(),
-            places: vec![0; variable_count],
+            places: vec![NOWHERE; variable_count],
         }
     }
 
     /// Takes in what is violated and not yet in, and what is near to it. Returns whether there was any.
-    fn admit_violated(&mut self) -> bool {
+    fn admit_violated(&mut self, round: usize) -> bool {
+        let near_bound = NEAR_BOUND[round.min(NEAR_BOUND.len() - 1)];
         let (problem, links) = (self.problem, self.links);
         let before = self.active_rows.len();
+        let moved = std::mem::take(&mut self.moved);
         let mut frontier = Vec::new();
-        for variable in std::mem::take(&mut self.moved) {
+        for &variable in &moved {
             for &group in links.groups(variable) {
+                let is_new = std::mem::replace(&mut self.looked_at[group as usize], round) != round;
                 let is_violated = |row| problem.violation(row, &self.solution.values) > TOLERANCE;
-                if !self.is_active[group as usize] && problem.rules.group(group as usize).any(is_violated) {
+                let is_out = is_new && !self.is_active[group as usize];
+                if is_out && problem.rules.group(group as usize).any(is_violated) {
                     self.admit_group(group, &mut frontier);
                 }
             }
@@ -99,10 +111,11 @@ impl<'a> State<'a> {
                 self.admit_row(row, std::iter::once(variable), &mut frontier);
             }
         }
+        self.admit_around_costly(&moved, &mut frontier);
         for _ in 0..RINGS {
             for variable in std::mem::take(&mut frontier) {
                 for &group in links.groups(variable) {
-                    if !self.is_active[group as usize] && self.is_near(group) {
+                    if !self.is_active[group as usize] && self.is_near(group, near_bound) {
                         self.admit_group(group, &mut frontier);
                     }
                 }
@@ -111,10 +124,37 @@ impl<'a> State<'a> {
         self.active_rows.len() > before
     }
 
-    fn is_near(&self, group: u32) -> bool {
+    /// Where an island of the interior method comes again, everything about its variables comes in: a step
+    /// costs hardly more, and another round costs all of them.
+    fn admit_around_costly(&mut self, moved: &[u32], frontier: &mut Vec<u32>) {
+        let mut stale_roots = vec![false; self.is_stale.len()];
+        self.mark_stale(&mut stale_roots);
+        for &variable in moved {
+            let root = self.islands.root(variable);
+            if self.is_costly[variable as usize] && stale_roots[root as usize] {
+                for &group in self.links.groups(variable) {
+                    if !self.is_active[group as usize] {
+                        self.admit_group(group, frontier);
+                    }
+                }
+            }
+        }
+    }
+
+    fn is_near(&self, group: u32, near_bound: f64) -> bool {
         let rules = self.problem.rules;
-        let mut rows = rules.group(group as usize);
-        rows.any(|row| !(NEAR_BOUND..=1.0 - NEAR_BOUND).contains(&rules.value(row, &self.solution.values)))
+        let is_near =
+            |row| !(near_bound..=1.0 - near_bound).contains(&rules.value(row, &self.solution.values));
+        rules.group(group as usize).any(is_near)
+    }
+
+    /// Marks the islands that have new rows.
+    fn mark_stale(&mut self, roots: &mut [bool]) {
+        for at in 0..self.is_stale.len() {
+            if self.is_stale[at] {
+                roots[self.islands.root(at as u32) as usize] = true;
+            }
+        }
     }
 
     fn admit_group(&mut self, group: u32, frontier: &mut Vec<u32>) {
@@ -153,11 +193,8 @@ impl<'a> State<'a> {
     /// variables.
     fn solve_islands(&mut self, canceled: &(dyn Fn() -> bool + Sync)) {
         let mut stale_roots = vec![false; self.is_stale.len()];
-        for at in 0..self.is_stale.len() {
-            if std::mem::take(&mut self.is_stale[at]) {
-                stale_roots[self.islands.root(at as u32) as usize] = true;
-            }
-        }
+        self.mark_stale(&mut stale_roots);
+        self.is_stale.fill(false);
         let mut keyed: Vec<(u32, usize)> = Vec::with_capacity(self.active_rows.len());
         for at in 0..self.active_rows.len() {
             let row = self.active_rows[at];
@@ -171,16 +208,17 @@ impl<'a> State<'a> {
         let chunks = keyed.chunk_by(|a, b| a.0 == b.0);
         let islands: Vec<Island> = chunks.map(|chunk| self.island(chunk)).collect();
         let Problem { wanted, weights, center, .. } = *self.problem;
-        let outcomes: Vec<Outcome> = islands
+        let solved: Vec<(Outcome, bool)> = islands
             .par_iter()
-            .map(|island| {
-                solve_active(island, wanted, weights)
-                    .unwrap_or_else(|| solve_island(island, wanted, weights, center, canceled))
+            .map(|island| match solve_active(island, wanted, weights) {
+                Some(outcome) => (outcome, false),
+                None => (solve_island(island, wanted, weights, center, canceled), true),
             })
             .collect();
-        for (island, outcome) in islands.iter().zip(outcomes) {
+        for (island, (outcome, is_costly)) in islands.iter().zip(solved) {
             for (&variable, value) in island.variables().iter().zip(outcome.values) {
                 self.solution.values[variable as usize] = value;
+                self.is_costly[variable as usize] |= is_costly;
             }
             self.moved.extend_from_slice(island.variables());
             let solution = &mut *self.solution;
@@ -197,10 +235,13 @@ impl<'a> State<'a> {
         let bounded = |row: usize| row.checked_sub(rules.len()).map(|variable| variable as u32);
         let mut variables: Vec<u32> = Vec::new();
         for &(_, row) in keyed {
-            variables.extend(terms(row).iter().map(|term| term.0).chain(bounded(row)));
+            for variable in terms(row).iter().map(|term| term.0).chain(bounded(row)) {
+                if std::mem::replace(&mut self.places[variable as usize], 0) == NOWHERE {
+                    variables.push(variable);
+                }
+            }
         }
         variables.sort_unstable();
-        variables.dedup();
         for (place, &variable) in variables.iter().enumerate() {
             self.places[variable as usize] = place as u32;
         }
@@ -212,6 +253,7 @@ impl<'a> State<'a> {
                 None => island.push(terms(row).iter().copied().map(place), f64::from(rules.constant(row))),
             }
         }
+        island.variables().iter().for_each(|&variable| self.places[variable as usize] = NOWHERE);
         island
     }
 }

@@ -10,12 +10,14 @@
 
 mod active;
 mod exact;
+mod fronts;
 mod global;
 mod interior;
 mod island;
 mod local;
 mod matrix;
 mod problem;
+mod step;
 #[cfg(test)]
 mod tests;
 

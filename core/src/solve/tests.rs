@@ -79,7 +79,7 @@ proptest! {
         prop_assert!(solution.values.iter().all(|v| v.is_finite()));
         // Weights reach m²: rounding leaves the gradient less exact than on a few levels, and 1e-4 moves a
         // sample by a fortieth of a code. Beyond that the report warns.
-        prop_assert!(solution.complementarity < 1e-8 && solution.dual_residual < 1e-4, "{solution:?}");
+        prop_assert!(solution.complementarity <= 1e-6 && solution.dual_residual < 1e-4, "{solution:?}");
         let cost = |values: &[f64]| values.iter().zip(&wanted).map(|(v, c)| (v - c).powi(2)).sum::<f64>();
         // Towards the middle every point is feasible; sideways only some are.
         let other: Vec<f64> = solution.values.iter().zip(&nudge).map(|(v, n)| v + 0.02 * (0.5 - v) + 1e-4 * n).collect();
