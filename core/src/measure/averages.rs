@@ -1,5 +1,7 @@
-//! The points whose weighted mean is a Gaussian average of the surface around a probe: sums over finitely
-//! many points, chosen so that they cover the surface evenly, by geometry alone.
+//! The points and cells whose weighted mean is a Gaussian average of the surface around a probe, chosen by
+//! geometry alone. Narrow averages are sums over points that cover the surface around their probe evenly;
+//! wide ones are sums over the [cells] of the whole surface, in each of which the source has been
+//! summed before.
 //!
 //! The variance of level ℓ. One 1-2-1 step from spacing h to 2h adds `2 · 1/4 · h² = h²/2` along each axis,
 //! and the spacings double, so level ℓ has `h² Σ 4^k / 2 = h² (4^ℓ - 1) / 6` beyond level 0, whose spacing
@@ -15,6 +17,7 @@ use std::sync::LazyLock;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::cells::{Cells, Gauss, REACH, VARIANCE_LEFT};
 use super::graph::Graph;
 use super::points::{SurfacePoint, scatter};
 use super::surface::Surface;
@@ -23,23 +26,25 @@ use super::surface::Surface;
 const CHUNK: usize = 16;
 
 /// Points that a whole Gaussian on a plane gets.
-const POINT_COUNT: usize = 128;
+const POINT_COUNT: usize = 512;
 
-/// Where the Gaussian ends, in σ, and the share of its variance in the plane that is left.
-const REACH: f64 = 3.0;
-const VARIANCE_LEFT: f64 = 0.9494;
+/// Cells are taken where those around the probe are smaller than this, in σ: then about as many points stand
+/// behind the average as else it gets itself.
+const CELLS_WITHIN: f64 = 0.3;
 
-/// Triangles within reach that are walked one by one. Where they are more, the points come from a cloud
-/// over the whole surface, and the chain of joined triangles need not stay within reach.
+/// Triangles within reach that are walked one by one. Where they are more, all cells take part whose
+/// triangles face the probe's side and are joined with it somewhere.
 const WALK_LIMIT: usize = 1024;
 
-/// Points of the cloud at least, where it has as many.
-const CLOUD_LEAST: usize = 4096;
+/// Innermost cells: one for so many texels of the largest texture, within these bounds.
+const TEXELS_PER_CELL: u64 = 16;
+const CELLS_LEAST: u64 = 4096;
+const CELLS_MOST: u64 = 1 << 18;
 
 /// A point and its share of the average, not normalized.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// Where the triangle stands among [`Around::triangles`]; its number in the graph where these are none.
+    /// Where the triangle stands among [`Around::triangles`].
     pub triangle: u32,
     /// Barycentrics, sum 1.
     pub at: Vec3,
@@ -47,10 +52,12 @@ pub struct Sample {
 }
 
 /// What lies around a probe at one level.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Around {
+    pub gauss: Gauss,
     /// The triangles within reach, the probe's first; empty where they are too many.
     pub triangles: Vec<u32>,
+    /// Empty where cells are summed.
     pub samples: Vec<Sample>,
 }
 
@@ -60,17 +67,33 @@ pub struct Probe {
     pub levels: Vec<Around>,
 }
 
-/// Probes over the surface by area, the same in every run; `cloud` are many more points of the same kind.
-/// Triangles without texels get none.
+/// The cells of a surface whose largest texture has this many texels at level 0. Half of them goes by area,
+/// half by texels, so that neither wide nor detailed triangles are without.
+pub fn cells(surface: &Surface<'_>, graph: &Graph, texel_count: u64) -> Cells {
+    let areas = (0..graph.corners.len() as u32).map(|triangle| 0.5 * graph.cross(triangle).length());
+    let placed = surface.parts.iter().flat_map(|part| part.placed);
+    let texels = placed.map(|triangle| {
+        let [a, b, c] = triangle.scaled.map(|place| place.as_dvec2());
+        0.5 * (b - a).perp_dot(c - a).abs()
+    });
+    let sizes: Vec<[f64; 2]> = areas.zip(texels).map(|sizes| sizes.into()).collect();
+    let finite = |size: f64| if size.is_finite() { size } else { 0.0 };
+    let total = |which: usize| sizes.iter().map(|size| finite(size[which])).sum::<f64>().max(f64::MIN_POSITIVE);
+    let totals = [total(0), total(1)];
+    let count = (texel_count / TEXELS_PER_CELL).clamp(CELLS_LEAST, CELLS_MOST) as f64;
+    let weight = |size: &[f64; 2]| 0.5 * count * (finite(size[0]) / totals[0] + finite(size[1]) / totals[1]);
+    let weights: Vec<f64> = sizes.iter().map(weight).collect();
+    Cells::new(graph, &weights)
+}
+
+/// Probes over the surface by area, the same in every run. Triangles without texels get none.
 pub fn probes(
     surface: &Surface<'_>,
     graph: &Graph,
-    cloud: &[SurfacePoint],
+    cells: &Cells,
     probe_count: usize,
     level_count: usize,
 ) -> Vec<Probe> {
-    let area: f64 = (0..graph.corners.len() as u32).map(|t| 0.5 * graph.cross(t).length()).sum();
-    let gather = Gather { graph, cloud, density: cloud.len() as f64 / area };
     let chunks: Vec<Vec<Probe>> = scatter(surface, probe_count)
         .par_chunks(CHUNK)
         .map(|points| {
@@ -79,7 +102,7 @@ pub fn probes(
                 let spacing_squared = texel_area(surface, graph, &point)?;
                 let around = |level: usize| {
                     let deviation = (variance(spacing_squared, level) / VARIANCE_LEFT).sqrt();
-                    gather.around(&point, deviation, &mut marks)
+                    around(graph, cells, &point, deviation, &mut marks)
                 };
                 Some(Probe { point, levels: (1..level_count).map(around).collect() })
             };
@@ -102,60 +125,21 @@ fn texel_area(surface: &Surface<'_>, graph: &Graph, point: &SurfacePoint) -> Opt
     (area.is_finite() && area > 0.0).then_some(area)
 }
 
-struct Gather<'a> {
-    graph: &'a Graph,
-    cloud: &'a [SurfacePoint],
-    /// Points of the cloud for each unit of area.
-    density: f64,
-}
-
-impl Gather<'_> {
-    fn around(&self, point: &SurfacePoint, deviation: f64, marks: &mut [u32]) -> Around {
-        let gauss = Gauss { center: self.graph.position(point), deviation };
-        let first = self.graph.number(point);
-        match self.graph.near(first, gauss.center, REACH * deviation, WALK_LIMIT, marks) {
-            Some(triangles) => {
-                let mut samples = Vec::new();
-                for (local, &triangle) in triangles.iter().enumerate() {
-                    gauss.cover(self.graph.corners[triangle as usize], local as u32, &mut samples);
-                }
-                Around { triangles, samples }
-            }
-            None => Around { triangles: Vec::new(), samples: self.of_cloud(&gauss, first) },
+fn around(graph: &Graph, cells: &Cells, point: &SurfacePoint, deviation: f64, marks: &mut [u32]) -> Around {
+    let gauss = Gauss { center: graph.position(point), deviation };
+    let first = graph.number(point);
+    let triangles =
+        graph.near(first, gauss.center, REACH * deviation, WALK_LIMIT, marks).unwrap_or_default();
+    let mut samples = Vec::new();
+    if cells.radius(first) > CELLS_WITHIN * deviation {
+        for (local, &triangle) in triangles.iter().enumerate() {
+            gauss.cover(graph.corners[triangle as usize], local as u32, &mut samples);
         }
     }
-
-    /// Every so many of the cloud's points, which leaves equal shares of the area to each.
-    fn of_cloud(&self, gauss: &Gauss, first: u32) -> Vec<Sample> {
-        let wanted = POINT_COUNT as f64 / (4.0 * PI * gauss.deviation.powi(2));
-        let most = (self.cloud.len() / CLOUD_LEAST).max(1);
-        let step = ((self.density / wanted) as usize).clamp(1, most);
-        let normal = self.graph.cross(first);
-        let mut samples = Vec::new();
-        for point in self.cloud.iter().step_by(step) {
-            let weight = gauss.at(self.graph.position(point) - gauss.center);
-            let triangle = self.graph.number(point);
-            if weight > 0.0 && self.graph.cross(triangle).dot(normal) > 0.0 {
-                samples.push(Sample { triangle, at: point.at, weight: weight as f32 });
-            }
-        }
-        samples
-    }
-}
-
-struct Gauss {
-    center: DVec3,
-    /// σ, mesh space.
-    deviation: f64,
+    Around { gauss, triangles, samples }
 }
 
 impl Gauss {
-    /// 1 in the middle, 0 beyond the reach.
-    fn at(&self, offset: DVec3) -> f64 {
-        let squared = offset.length_squared() / self.deviation.powi(2);
-        if squared > REACH * REACH { 0.0 } else { (-0.5 * squared).exp() }
-    }
-
     /// Points on one triangle, each with the weight of its share of the area over σ².
     fn cover(&self, corners: [DVec3; 3], triangle: u32, samples: &mut Vec<Sample>) {
         let [a, b, c] = corners.map(|corner| corner - self.center);
@@ -173,7 +157,7 @@ impl Gauss {
         }
         let count = count.round().max(1.0) as usize;
         for number in 0..count {
-            let (second, third) = if count == 1 { (1.0 / 3.0, 1.0 / 3.0) } else { folded(number) };
+            let (second, third) = if count == 1 { (1.0 / 3.0, 1.0 / 3.0) } else { folded(number, (0.5, 0.5)) };
             let weight = self.at(a + (b - a) * second + (c - a) * third) * area / count as f64;
             if weight > 0.0 {
                 let at = Vec3::new((1.0 - second - third) as f32, second as f32, third as f32);
@@ -217,10 +201,10 @@ static SPIRAL: LazyLock<Vec<DVec2>> = LazyLock::new(|| {
 });
 
 /// Points that cover a triangle evenly, as its second and third barycentrics: multiples of the inverse
-/// powers of the plastic number (Roberts' R2 sequence), the square folded over its diagonal.
-fn folded(number: usize) -> (f64, f64) {
-    let along = |step: f64| (0.5 + step * (number + 1) as f64).fract();
-    let (x, y) = (along(0.754_877_666_246_692_7), along(0.569_840_290_998_053_3));
+/// powers of the plastic number (Roberts' R2 sequence) from `shift` on, the square folded over its diagonal.
+pub fn folded(number: usize, shift: (f64, f64)) -> (f64, f64) {
+    let along = |shift: f64, step: f64| (shift + step * (number + 1) as f64).fract();
+    let (x, y) = (along(shift.0, 0.754_877_666_246_692_7), along(shift.1, 0.569_840_290_998_053_3));
     if x + y > 1.0 { (1.0 - x, 1.0 - y) } else { (x, y) }
 }
 

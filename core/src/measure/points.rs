@@ -51,7 +51,7 @@ fn area(a: DVec3, b: DVec3, c: DVec3) -> f64 {
 
 /// A number in [0, 1) for a counter and a dimension: the finalizer of SplitMix64 (Steele, Lea, Flood,
 /// "Fast splittable pseudorandom number generators", OOPSLA 2014).
-fn uniform(counter: u64, dimension: u64) -> f64 {
+pub fn uniform(counter: u64, dimension: u64) -> f64 {
     const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
     let mut z = (counter * 4 + dimension + 1).wrapping_mul(GOLDEN);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
