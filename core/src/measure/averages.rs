@@ -203,7 +203,11 @@ static SPIRAL: LazyLock<Vec<DVec2>> = LazyLock::new(|| {
 /// Points that cover a triangle evenly, as its second and third barycentrics: multiples of the inverse
 /// powers of the plastic number (Roberts' R2 sequence) from `shift` on, the square folded over its diagonal.
 pub fn folded(number: usize, shift: (f64, f64)) -> (f64, f64) {
-    let along = |shift: f64, step: f64| (shift + step * (number + 1) as f64).fract();
+    let along = |shift: f64, step: f64| {
+        let along = shift + step * (number + 1) as f64;
+        // The part after the point, without a call.
+        along - f64::from(along as u32)
+    };
     let (x, y) = (along(shift.0, 0.754_877_666_246_692_7), along(shift.1, 0.569_840_290_998_053_3));
     if x + y > 1.0 { (1.0 - x, 1.0 - y) } else { (x, y) }
 }
