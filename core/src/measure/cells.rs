@@ -79,6 +79,13 @@ pub struct Admitted<'a> {
     pub components: &'a [[u32; 2]],
 }
 
+impl Cut {
+    /// Of the innermost cells.
+    pub fn cell_count(&self) -> usize {
+        4usize.pow(self.depth)
+    }
+}
+
 pub struct Cells {
     cells: Vec<Cell>,
     cuts: Vec<Cut>,
@@ -105,7 +112,7 @@ impl Cells {
         });
         let mut cuts: Vec<Cut> = cuts.collect();
         sort_by_place(&mut cuts, graph);
-        let cell_count: usize = cuts.iter().map(|cut| 1 + 4usize.pow(cut.depth) * 4 / 3).sum();
+        let cell_count: usize = cuts.iter().map(|cut| 1 + cut.cell_count() * 4 / 3).sum();
         let mut cells =
             Self { cells: Vec::with_capacity(cell_count), cuts, firsts: vec![u32::MAX; graph.corners.len()] };
         let count = cells.cuts.len();
@@ -169,7 +176,7 @@ impl Cells {
         by_triangle.iter_mut().for_each(|component| *component = numbers[*component as usize]);
         let innermost = self.cuts.iter().flat_map(|cut| {
             let own = by_triangle[cut.triangle as usize];
-            std::iter::repeat_n([own; 2], 4usize.pow(cut.depth))
+            std::iter::repeat_n([own; 2], cut.cell_count())
         });
         self.gathered(innermost.collect(), |sum, other| *sum = [sum[0].min(other[0]), sum[1].max(other[1])])
     }
@@ -217,7 +224,8 @@ impl Cells {
             let is_near = offset.length_squared() <= (reach + cell.radius).powi(2);
             let part = if is_near { part(at) } else { Part::Nothing };
             let is_innermost = next == at + 1;
-            if part == Part::Some && !is_innermost || part == Part::Whole && cell.radius > largest && !is_innermost
+            if part == Part::Some && !is_innermost
+                || part == Part::Whole && cell.radius > largest && !is_innermost
             {
                 at += 1;
                 continue;
@@ -343,4 +351,3 @@ const AXIS_BITS: u32 = 20;
 fn spread(bits: u64) -> u64 {
     (0..AXIS_BITS).map(|bit| (bits >> bit & 1) << (3 * bit)).sum()
 }
-

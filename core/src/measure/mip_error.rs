@@ -8,7 +8,7 @@
 use glam::Vec4;
 use rayon::prelude::*;
 
-use super::averages::{self, Around, Probe};
+use super::averages::{self, Around, Probe, Sample};
 use super::cell_sums::{Averaged, Sums};
 use super::cells::{Admitted, Cells};
 use super::graph::Graph;
@@ -23,6 +23,9 @@ use super::texels::stored_components;
 /// Probes handled in one go.
 const CHUNK: usize = 16;
 
+/// An average over points that may be off by more than this gets more of them; codes or degrees.
+const DOUBT_MOST: f32 = 0.5;
+
 /// Averages of less alpha have no color.
 const NO_ALPHA: f32 = 1e-6;
 
@@ -34,12 +37,7 @@ pub struct Averages {
 }
 
 impl Averages {
-    pub fn new(
-        surface: &Surface<'_>,
-        texel_count: u64,
-        probe_count: usize,
-        level_count: usize,
-    ) -> Self {
+    pub fn new(surface: &Surface<'_>, texel_count: u64, probe_count: usize, level_count: usize) -> Self {
         let graph = Graph::new(surface);
         let cells = averages::cells(surface, &graph, texel_count);
         let probes = averages::probes(surface, &graph, &cells, probe_count, level_count);
@@ -69,7 +67,11 @@ impl Averages {
             cut_flags,
             cells: &self.cells,
             in_cells: if needs_cells { source.in_cells(&self.cells) } else { Vec::new() },
-            components_of_cells: if needs_components { self.cells.components(&mut components) } else { Vec::new() },
+            components_of_cells: if needs_components {
+                self.cells.components(&mut components)
+            } else {
+                Vec::new()
+            },
             components,
             source,
         };
@@ -120,20 +122,33 @@ impl Comparison<'_> {
         marks: &mut [u32],
     ) {
         let Some(halves) = self.average(point, around, marks) else { return };
+        let Some(mut found) = self.compared(point, &halves, level) else { return };
+        if found.doubt() > DOUBT_MOST && !around.samples.is_empty() {
+            let is_joined = self.graph.joined(&around.triangles, self.cut_flags, marks);
+            let halves = self.over_points(around, &around.refined(self.graph, &is_joined), &is_joined);
+            found = self.compared(point, &halves, level).unwrap_or(found);
+        }
+        for &(error, doubt) in found.components.iter().flatten() {
+            errors.add(error, doubt);
+        }
+        errors.probe_count += 1;
+    }
+
+    /// What the level shows beside an average; `None` where a normal has no direction.
+    fn compared(&self, point: &SurfacePoint, halves: &[Sums; 2], level: usize) -> Option<Compared> {
         let part = &self.converted.surface.parts[point.part as usize];
         let triangle = point.triangle as usize;
         let shown = self.converted.texels(level).bilinear(part.placed[triangle].place_at(point.at, level));
         let whole = halves[0] + halves[1];
+        let mut components = [None; 4];
         if let Meaning::Normal { scale } = self.source.origin.meaning {
-            let Some(frames) = part.frames().get(triangle) else { return };
-            let shown = object_normal(shown, scale, &interpolated(frames, point.at));
-            let Some(own) = self.source.origin.corner_frames(point.part as usize, triangle) else { return };
+            let shown = object_normal(shown, scale, &interpolated(part.frames().get(triangle)?, point.at));
+            let own = self.source.origin.corner_frames(point.part as usize, triangle)?;
             let bare = interpolated(own, point.at).normal.normalize_or_zero();
-            let Some(wanted) = (bare + whole.mean().truncate()).try_normalize() else { return };
+            let wanted = (bare + whole.mean().truncate()).try_normalize()?;
             let [a, b] = halves.map(|half| (bare + half.mean().truncate()).normalize_or(wanted));
-            errors.add(degrees_between(wanted, shown), 0.5 * degrees_between(a, b));
-            errors.probe_count += 1;
-            return;
+            components[0] = Some((degrees_between(wanted, shown), 0.5 * degrees_between(a, b)));
+            return Some(Compared { components });
         }
         let codes = |mean: Vec4| Vec4::from(self.source.origin.meaning.codes(mean.to_array()));
         let error = codes(whole.mean()) - Vec4::from(self.source.origin.meaning.codes(shown));
@@ -141,10 +156,10 @@ impl Comparison<'_> {
         for &component in stored_components(self.source.origin.components) {
             // What cannot be seen has no color.
             if component == 3 || whole.alpha() > NO_ALPHA {
-                errors.add(error[component].abs(), doubt[component].abs());
+                components[component] = Some((error[component].abs(), doubt[component].abs()));
             }
         }
-        errors.probe_count += 1;
+        Some(Compared { components })
     }
 
     /// The weighted sums of the source over both halves of the points; `None` where there are none.
@@ -168,19 +183,19 @@ impl Comparison<'_> {
                     self.cells.of_triangle(triangle, &around.gauss, &mut add_cell);
                 }
             } else {
-                halves = self.over_points(around, &is_joined);
+                halves = self.over_points(around, &around.samples, &is_joined);
             }
         }
         let is_empty = |half: &Sums| half.weight <= 0.0;
         (!halves.iter().any(is_empty)).then_some(halves)
     }
 
-    fn over_points(&self, around: &Around, is_joined: &[bool]) -> [Sums; 2] {
+    fn over_points(&self, around: &Around, samples: &[Sample], is_joined: &[bool]) -> [Sums; 2] {
         let mut halves = [Sums::default(); 2];
         let weighs_by_alpha = self.source.weighs_by_alpha();
         // One point after the other goes to each in turn.
         let mut half = 0;
-        for samples in around.samples.chunk_by(|a, b| a.triangle == b.triangle) {
+        for samples in samples.chunk_by(|a, b| a.triangle == b.triangle) {
             let local = samples[0].triangle as usize;
             if !is_joined[local] {
                 continue;
@@ -192,6 +207,17 @@ impl Comparison<'_> {
             }
         }
         halves
+    }
+}
+
+/// What one average says of one level: the error and its doubt, by component (an angle is the first).
+struct Compared {
+    components: [Option<(f32, f32)>; 4],
+}
+
+impl Compared {
+    fn doubt(&self) -> f32 {
+        self.components.iter().flatten().map(|(_, doubt)| *doubt).fold(0.0, f32::max)
     }
 }
 

@@ -100,7 +100,9 @@ impl<'a> Texels<'a> {
     pub fn in_range(self, range: Option<&LevelRange>) -> Self {
         let tables = match (range, self.tables) {
             (Some(LevelRange::Float16), Decoding::Sixteen(_)) => Decoding::Sixteen([&OF_HALF_FLOATS; 2]),
-            (Some(LevelRange::Scaled16 { .. }), Decoding::Sixteen([_, plain])) => Decoding::Sixteen([plain; 2]),
+            (Some(LevelRange::Scaled16 { .. }), Decoding::Sixteen([_, plain])) => {
+                Decoding::Sixteen([plain; 2])
+            }
             (_, tables) => tables,
         };
         let scaled = match range {
@@ -118,8 +120,13 @@ impl<'a> Texels<'a> {
     /// in all three, and alpha is 1 where there is none.
     #[inline]
     pub fn bilinear(&self, at_texels: Vec2) -> [f32; 4] {
+        self.filtered(at_texels).to_array()
+    }
+
+    #[inline]
+    pub fn filtered(&self, at_texels: Vec2) -> Vec4 {
         let (cell, part) = cell_of(at_texels);
-        mixed(&self.corners(cell), part).to_array()
+        mixed(&self.corners(cell), part)
     }
 
     /// The decoded texels around a cell: those that stand at its number, one to the right, one below,
