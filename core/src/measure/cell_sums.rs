@@ -232,3 +232,6 @@ impl std::ops::Add for Sums {
         self
     }
 }
+
+#[cfg(test)]
+mod tests;

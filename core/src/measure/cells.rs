@@ -351,3 +351,6 @@ const AXIS_BITS: u32 = 20;
 fn spread(bits: u64) -> u64 {
     (0..AXIS_BITS).map(|bit| (bits >> bit & 1) << (3 * bit)).sum()
 }
+
+#[cfg(test)]
+mod tests;

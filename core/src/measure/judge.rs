@@ -227,8 +227,16 @@ impl Judge<'_> {
         if left == right {
             return 0.0;
         }
-        let (left, right) = (self.meaning.codes(left), self.meaning.codes(right));
-        stored_components(self.components).iter().map(|&i| (left[i] - right[i]).abs()).fold(0.0, f32::max)
+        let difference = |i: usize| {
+            if left[i] == right[i] {
+                0.0
+            } else if i < 3 && self.meaning == Meaning::Color {
+                (encode_codes(left[i]) - encode_codes(right[i])).abs()
+            } else {
+                ((left[i] - right[i]) * 255.0).abs()
+            }
+        };
+        stored_components(self.components).iter().map(|&i| difference(i)).fold(0.0, f32::max)
     }
 }
 
