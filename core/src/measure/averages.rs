@@ -27,7 +27,7 @@ const CHUNK: usize = 16;
 
 /// Cells are taken where the innermost ones around the probe are smaller than this, in σ: there are hundreds of
 /// them then, with several points each.
-const CELLS_WITHIN: f64 = 0.4;
+const CELLS_WITHIN: f64 = 0.3;
 
 /// Triangles within reach that are walked one by one. Where they are more, all cells take part whose
 /// triangles face the probe's side and are joined with it somewhere.
@@ -36,7 +36,7 @@ const WALK_LIMIT: usize = 1024;
 /// Innermost cells: one for so many texels of the largest texture, within these bounds.
 const TEXELS_PER_CELL: u64 = 16;
 const CELLS_LEAST: u64 = 4096;
-const CELLS_MOST: u64 = 1 << 16;
+const CELLS_MOST: u64 = 1 << 17;
 
 /// A point and its share of the average, not normalized.
 #[derive(Clone, Copy, Debug)]

@@ -24,7 +24,7 @@ use super::texels::stored_components;
 const CHUNK: usize = 16;
 
 /// An average over points that may be off by more than this gets more of them; codes or degrees.
-const DOUBT_MOST: f32 = 0.5;
+const DOUBT_MOST: f32 = 1.0;
 
 /// Averages of less alpha have no color.
 const NO_ALPHA: f32 = 1e-6;
