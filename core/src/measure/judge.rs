@@ -233,7 +233,7 @@ impl Judge<'_> {
             } else if i < 3 && self.meaning == Meaning::Color {
                 (encode_codes(left[i]) - encode_codes(right[i])).abs()
             } else {
-                ((left[i] - right[i]) * 255.0).abs()
+                (left[i] * 255.0 - right[i] * 255.0).abs()
             }
         };
         stored_components(self.components).iter().map(|&i| difference(i)).fold(0.0, f32::max)
