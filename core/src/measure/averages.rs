@@ -1,5 +1,7 @@
-//! The points whose weighted mean is a Gaussian average of the surface around a probe: sums over finitely
-//! many points, chosen so that they cover the surface evenly, by geometry alone.
+//! The points and cells whose weighted mean is a Gaussian average of the surface around a probe, chosen by
+//! geometry alone. Narrow averages are sums over points that cover the surface around their probe evenly;
+//! wide ones are sums over the [cells] of the whole surface, in each of which the source has been
+//! summed before.
 //!
 //! The variance of level ℓ. One 1-2-1 step from spacing h to 2h adds `2 · 1/4 · h² = h²/2` along each axis,
 //! and the spacings double, so level ℓ has `h² Σ 4^k / 2 = h² (4^ℓ - 1) / 6` beyond level 0, whose spacing
@@ -15,6 +17,7 @@ use std::sync::LazyLock;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::cells::{Cells, Gauss, REACH, VARIANCE_LEFT};
 use super::graph::Graph;
 use super::points::{SurfacePoint, scatter};
 use super::surface::Surface;
@@ -22,24 +25,23 @@ use super::surface::Surface;
 /// Probes handled in one go.
 const CHUNK: usize = 16;
 
-/// Points that a whole Gaussian on a plane gets.
-const POINT_COUNT: usize = 128;
+/// Cells are taken where the innermost ones around the probe are smaller than this, in σ: there are hundreds of
+/// them then, with several points each.
+const CELLS_WITHIN: f64 = 0.3;
 
-/// Where the Gaussian ends, in σ, and the share of its variance in the plane that is left.
-const REACH: f64 = 3.0;
-const VARIANCE_LEFT: f64 = 0.9494;
-
-/// Triangles within reach that are walked one by one. Where they are more, the points come from a cloud
-/// over the whole surface, and the chain of joined triangles need not stay within reach.
+/// Triangles within reach that are walked one by one. Where they are more, all cells take part whose
+/// triangles face the probe's side and are joined with it somewhere.
 const WALK_LIMIT: usize = 1024;
 
-/// Points of the cloud at least, where it has as many.
-const CLOUD_LEAST: usize = 4096;
+/// Innermost cells: one for so many texels of the largest texture, within these bounds.
+const TEXELS_PER_CELL: u64 = 16;
+const CELLS_LEAST: u64 = 4096;
+const CELLS_MOST: u64 = 1 << 17;
 
 /// A point and its share of the average, not normalized.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample {
-    /// Where the triangle stands among [`Around::triangles`]; its number in the graph where these are none.
+    /// Where the triangle stands among [`Around::triangles`].
     pub triangle: u32,
     /// Barycentrics, sum 1.
     pub at: Vec3,
@@ -47,10 +49,12 @@ pub struct Sample {
 }
 
 /// What lies around a probe at one level.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Around {
+    pub gauss: Gauss,
     /// The triangles within reach, the probe's first; empty where they are too many.
     pub triangles: Vec<u32>,
+    /// Empty where cells are summed.
     pub samples: Vec<Sample>,
 }
 
@@ -60,26 +64,48 @@ pub struct Probe {
     pub levels: Vec<Around>,
 }
 
-/// Probes over the surface by area, the same in every run; `cloud` are many more points of the same kind.
-/// Triangles without texels get none.
+/// The cells of a surface whose largest texture has this many texels at level 0. Half of them goes by area,
+/// half by texels, so that neither wide nor detailed triangles are without.
+pub fn cells(surface: &Surface<'_>, graph: &Graph, texel_count: u64) -> Cells {
+    let areas = (0..graph.corners.len() as u32).map(|triangle| 0.5 * graph.cross(triangle).length());
+    let placed = surface.parts.iter().flat_map(|part| part.placed);
+    let texels = placed.map(|triangle| {
+        let [a, b, c] = triangle.scaled.map(|place| place.as_dvec2());
+        0.5 * (b - a).perp_dot(c - a).abs()
+    });
+    let sizes: Vec<[f64; 2]> = areas.zip(texels).map(|sizes| sizes.into()).collect();
+    let finite = |size: f64| if size.is_finite() { size } else { 0.0 };
+    let total =
+        |which: usize| sizes.iter().map(|size| finite(size[which])).sum::<f64>().max(f64::MIN_POSITIVE);
+    let totals = [total(0), total(1)];
+    let count = (texel_count / TEXELS_PER_CELL).clamp(CELLS_LEAST, CELLS_MOST) as f64;
+    let weight = |size: &[f64; 2]| 0.5 * count * (finite(size[0]) / totals[0] + finite(size[1]) / totals[1]);
+    let weights: Vec<f64> = sizes.iter().map(weight).collect();
+    Cells::new(graph, &weights)
+}
+
+/// Probes over the surface by area, the same in every run. Triangles without texels get none.
 pub fn probes(
     surface: &Surface<'_>,
     graph: &Graph,
-    cloud: &[SurfacePoint],
+    cells: &Cells,
     probe_count: usize,
     level_count: usize,
 ) -> Vec<Probe> {
-    let area: f64 = (0..graph.corners.len() as u32).map(|t| 0.5 * graph.cross(t).length()).sum();
-    let gather = Gather { graph, cloud, density: cloud.len() as f64 / area };
     let chunks: Vec<Vec<Probe>> = scatter(surface, probe_count)
         .par_chunks(CHUNK)
         .map(|points| {
             let mut marks = vec![0; graph.corners.len()];
             let probe = |&point: &SurfacePoint| {
                 let spacing_squared = texel_area(surface, graph, &point)?;
+                let mut is_walked = true;
                 let around = |level: usize| {
                     let deviation = (variance(spacing_squared, level) / VARIANCE_LEFT).sqrt();
-                    gather.around(&point, deviation, &mut marks)
+                    let gauss = Gauss { center: graph.position(&point), deviation };
+                    let around = around(graph, cells, &point, gauss, is_walked.then_some(&mut marks));
+                    // The next level reaches further.
+                    is_walked = !around.triangles.is_empty();
+                    around
                 };
                 Some(Probe { point, levels: (1..level_count).map(around).collect() })
             };
@@ -102,62 +128,65 @@ fn texel_area(surface: &Surface<'_>, graph: &Graph, point: &SurfacePoint) -> Opt
     (area.is_finite() && area > 0.0).then_some(area)
 }
 
-struct Gather<'a> {
-    graph: &'a Graph,
-    cloud: &'a [SurfacePoint],
-    /// Points of the cloud for each unit of area.
-    density: f64,
-}
-
-impl Gather<'_> {
-    fn around(&self, point: &SurfacePoint, deviation: f64, marks: &mut [u32]) -> Around {
-        let gauss = Gauss { center: self.graph.position(point), deviation };
-        let first = self.graph.number(point);
-        match self.graph.near(first, gauss.center, REACH * deviation, WALK_LIMIT, marks) {
-            Some(triangles) => {
-                let mut samples = Vec::new();
-                for (local, &triangle) in triangles.iter().enumerate() {
-                    gauss.cover(self.graph.corners[triangle as usize], local as u32, &mut samples);
-                }
-                Around { triangles, samples }
-            }
-            None => Around { triangles: Vec::new(), samples: self.of_cloud(&gauss, first) },
+/// `marks` as [`Graph::near`] takes them, where triangles are to be walked.
+fn around(
+    graph: &Graph,
+    cells: &Cells,
+    point: &SurfacePoint,
+    gauss: Gauss,
+    marks: Option<&mut Vec<u32>>,
+) -> Around {
+    let first = graph.number(point);
+    let near =
+        |marks: &mut Vec<u32>| graph.near(first, gauss.center, REACH * gauss.deviation, WALK_LIMIT, marks);
+    let triangles = marks.and_then(near).unwrap_or_default();
+    let mut samples = Vec::new();
+    if cells.radius(first) > CELLS_WITHIN * gauss.deviation {
+        for (local, &triangle) in triangles.iter().enumerate() {
+            gauss.cover(&FEW, graph.corners[triangle as usize], local as u32, &mut samples);
         }
     }
+    Around { gauss, triangles, samples }
+}
 
-    /// Every so many of the cloud's points, which leaves equal shares of the area to each.
-    fn of_cloud(&self, gauss: &Gauss, first: u32) -> Vec<Sample> {
-        let wanted = POINT_COUNT as f64 / (4.0 * PI * gauss.deviation.powi(2));
-        let most = (self.cloud.len() / CLOUD_LEAST).max(1);
-        let step = ((self.density / wanted) as usize).clamp(1, most);
-        let normal = self.graph.cross(first);
+impl Around {
+    /// More points around the same place, on the triangles that are named.
+    pub fn refined(&self, graph: &Graph, is_joined: &[bool]) -> Vec<Sample> {
         let mut samples = Vec::new();
-        for point in self.cloud.iter().step_by(step) {
-            let weight = gauss.at(self.graph.position(point) - gauss.center);
-            let triangle = self.graph.number(point);
-            if weight > 0.0 && self.graph.cross(triangle).dot(normal) > 0.0 {
-                samples.push(Sample { triangle, at: point.at, weight: weight as f32 });
-            }
+        for (local, &triangle) in self.triangles.iter().enumerate().filter(|(local, _)| is_joined[*local]) {
+            self.gauss.cover(&MANY, graph.corners[triangle as usize], local as u32, &mut samples);
         }
         samples
     }
 }
 
-struct Gauss {
-    center: DVec3,
-    /// σ, mesh space.
-    deviation: f64,
+/// So many points spread by a Gaussian of σ 1, as far as it reaches: on a golden spiral.
+struct Spread(Vec<DVec2>);
+
+impl Spread {
+    fn new(count: usize) -> Self {
+        let share = *WITHIN_REACH;
+        let place = |number: usize| {
+            let radius = (-2.0 * (-share * (number as f64 + 0.5) / count as f64).ln_1p()).sqrt();
+            DVec2::from_angle(number as f64 * GOLDEN_ANGLE) * radius
+        };
+        Self((0..count).map(place).collect())
+    }
 }
 
-impl Gauss {
-    /// 1 in the middle, 0 beyond the reach.
-    fn at(&self, offset: DVec3) -> f64 {
-        let squared = offset.length_squared() / self.deviation.powi(2);
-        if squared > REACH * REACH { 0.0 } else { (-0.5 * squared).exp() }
-    }
+/// What an average gets at first, and what it gets where those leave it in doubt.
+static FEW: LazyLock<Spread> = LazyLock::new(|| Spread::new(256));
+static MANY: LazyLock<Spread> = LazyLock::new(|| Spread::new(2048));
 
+/// The share of a Gaussian in a plane that stands within its reach.
+static WITHIN_REACH: LazyLock<f64> = LazyLock::new(|| 1.0 - (-0.5 * REACH * REACH).exp());
+
+/// `π (3 - √5)`.
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
+impl Gauss {
     /// Points on one triangle, each with the weight of its share of the area over σ².
-    fn cover(&self, corners: [DVec3; 3], triangle: u32, samples: &mut Vec<Sample>) {
+    fn cover(&self, spread: &Spread, corners: [DVec3; 3], triangle: u32, samples: &mut Vec<Sample>) {
         let [a, b, c] = corners.map(|corner| corner - self.center);
         let cross = (b - a).cross(c - a);
         let area = 0.5 * cross.length() / self.deviation.powi(2);
@@ -166,9 +195,9 @@ impl Gauss {
         }
         // As dense as points that are spread by the Gaussian are in its middle, over two: both kinds then
         // have the same sum of squared weights on a plane.
-        let count = area * POINT_COUNT as f64 / (4.0 * PI);
-        if count > POINT_COUNT as f64 {
-            self.cover_plane([a, b, c], cross, triangle, samples);
+        let count = area * spread.0.len() as f64 / (4.0 * PI);
+        if count > spread.0.len() as f64 {
+            self.cover_plane(spread, [a, b, c], triangle, samples);
             return;
         }
         let count = count.round().max(1.0) as usize;
@@ -182,44 +211,44 @@ impl Gauss {
         }
     }
 
-    /// Points of equal weight in the triangle's plane, spread by the Gaussian on a golden spiral; those
-    /// within the triangle stay.
-    fn cover_plane(&self, [a, b, c]: [DVec3; 3], cross: DVec3, triangle: u32, samples: &mut Vec<Sample>) {
+    /// Points of equal weight in the triangle's plane, spread by the Gaussian; those within the triangle
+    /// stay.
+    fn cover_plane(&self, spread: &Spread, [a, b, c]: [DVec3; 3], triangle: u32, samples: &mut Vec<Sample>) {
+        let cross = (b - a).cross(c - a);
         let normal = cross.normalize();
         let height = normal.dot(a);
         let height_squared = (height / self.deviation).powi(2);
         if height_squared >= REACH * REACH {
             return;
         }
-        let share = 1.0 - (-0.5 * (REACH * REACH - height_squared)).exp();
-        let weight = (-0.5 * height_squared).exp() * TAU * share / POINT_COUNT as f64;
+        let weight = ((-0.5 * height_squared).exp() * TAU * *WITHIN_REACH / spread.0.len() as f64) as f32;
         let (right, up) = normal.any_orthonormal_pair();
-        let spiral = &*SPIRAL;
-        for (number, along) in spiral.iter().enumerate() {
-            let radius = (-2.0 * (-share * (number as f64 + 0.5) / POINT_COUNT as f64).ln_1p()).sqrt();
-            let place = normal * height + (right * along.x + up * along.y) * radius * self.deviation;
-            let second = (place - a).cross(c - a).dot(cross) / cross.length_squared();
-            let third = (b - a).cross(place - a).dot(cross) / cross.length_squared();
-            if second >= 0.0 && third >= 0.0 && second + third <= 1.0 {
+        // Barycentrics are linear over the plane.
+        let (from_b, from_c) = ((c - a).cross(cross), cross.cross(b - a));
+        let [second, third] = [from_b, from_c].map(|toward| {
+            let toward = toward / toward.dot(if toward == from_b { b - a } else { c - a });
+            let start = (normal * height - a).dot(toward);
+            (start, DVec2::new(right.dot(toward), up.dot(toward)) * self.deviation)
+        });
+        for &place in &spread.0 {
+            let (second, third) = (second.0 + second.1.dot(place), third.0 + third.1.dot(place));
+            let is_inside = second >= 0.0 && third >= 0.0 && second + third <= 1.0;
+            if is_inside && place.length_squared() + height_squared <= REACH * REACH {
                 let at = Vec3::new((1.0 - second - third) as f32, second as f32, third as f32);
-                samples.push(Sample { triangle, at, weight: weight as f32 });
+                samples.push(Sample { triangle, at, weight });
             }
         }
     }
 }
 
-/// `π (3 - √5)`.
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
-
-/// Where the spiral's points stand around its middle, unit length.
-static SPIRAL: LazyLock<Vec<DVec2>> = LazyLock::new(|| {
-    (0..POINT_COUNT).map(|number| DVec2::from_angle(number as f64 * GOLDEN_ANGLE)).collect()
-});
-
 /// Points that cover a triangle evenly, as its second and third barycentrics: multiples of the inverse
 /// powers of the plastic number (Roberts' R2 sequence), the square folded over its diagonal.
 fn folded(number: usize) -> (f64, f64) {
-    let along = |step: f64| (0.5 + step * (number + 1) as f64).fract();
+    let along = |step: f64| {
+        let along = 0.5 + step * (number + 1) as f64;
+        // The part after the point, without a call.
+        along - f64::from(along as u32)
+    };
     let (x, y) = (along(0.754_877_666_246_692_7), along(0.569_840_290_998_053_3));
     if x + y > 1.0 { (1.0 - x, 1.0 - y) } else { (x, y) }
 }

@@ -43,14 +43,29 @@ impl Meaning {
 
 /// The object-space normal of a filtered texel, unit length, in an interpolated frame.
 pub fn object_normal(texel: [f32; 4], scale: f32, frame: &Frame) -> Vec3 {
-    let [x, y, z, _] = texel.map(|value| 2.0 * value - 1.0);
+    let [right, up, out] = axes(frame);
+    let [x, y, z] = decoded_normal(Vec4::from(texel), scale).to_array();
+    (right * x + up * y + out * z).normalize_or(out)
+}
+
+/// Of a filtered texel, what it adds to the surface's own normal, in the axes of its frame.
+pub fn tilt(texel: Vec4, scale: f32) -> Vec3 {
+    decoded_normal(texel, scale).normalize_or(Vec3::Z) - Vec3::Z
+}
+
+fn decoded_normal(texel: Vec4, scale: f32) -> Vec3 {
+    (texel.truncate() * 2.0 - 1.0) * Vec3::new(scale, scale, 1.0)
+}
+
+/// The right-angled axes of an interpolated frame: tangent, bitangent, normal; unit length.
+pub fn axes(frame: &Frame) -> [Vec3; 3] {
     let normal = frame.normal.normalize_or(Vec3::Z);
     let tangent = frame.tangent.truncate();
     let tangent = (tangent - normal * normal.dot(tangent))
         .try_normalize()
         .unwrap_or_else(|| normal.any_orthonormal_vector());
     let bitangent = normal.cross(tangent) * if frame.tangent.w < 0.0 { -1.0 } else { 1.0 };
-    (tangent * (x * scale) + bitangent * (y * scale) + normal * z).normalize_or(normal)
+    [tangent, bitangent, normal]
 }
 
 /// The angle between unit vectors, exact for small ones too.
@@ -212,8 +227,16 @@ impl Judge<'_> {
         if left == right {
             return 0.0;
         }
-        let (left, right) = (self.meaning.codes(left), self.meaning.codes(right));
-        stored_components(self.components).iter().map(|&i| (left[i] - right[i]).abs()).fold(0.0, f32::max)
+        let difference = |i: usize| {
+            if left[i] == right[i] {
+                0.0
+            } else if i < 3 && self.meaning == Meaning::Color {
+                (encode_codes(left[i]) - encode_codes(right[i])).abs()
+            } else {
+                (left[i] * 255.0 - right[i] * 255.0).abs()
+            }
+        };
+        stored_components(self.components).iter().map(|&i| difference(i)).fold(0.0, f32::max)
     }
 }
 

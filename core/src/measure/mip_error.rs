@@ -5,10 +5,12 @@
 //! Means are taken in the space that the channel is filtered in: linear light weighted by alpha, data as
 //! it is, normals as what the map adds to those of the mesh. Nothing is averaged across a cut of the channel.
 
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use rayon::prelude::*;
 
-use super::averages::{self, Around, Probe};
+use super::averages::{self, Around, Probe, Sample};
+use super::cell_sums::{Averaged, Sums};
+use super::cells::{Admitted, Cells};
 use super::graph::Graph;
 use super::judge::{Meaning, degrees_between, interpolated, object_normal};
 use super::origin::Origin;
@@ -16,10 +18,13 @@ use super::points::SurfacePoint;
 use super::report::MipError;
 use super::seams::Converted;
 use super::surface::Surface;
-use super::texels::{Texels, stored_components};
+use super::texels::stored_components;
 
 /// Probes handled in one go.
 const CHUNK: usize = 16;
+
+/// An average over points that may be off by more than this gets more of them; codes or degrees.
+const DOUBT_MOST: f32 = 1.0;
 
 /// Averages of less alpha have no color.
 const NO_ALPHA: f32 = 1e-6;
@@ -27,19 +32,16 @@ const NO_ALPHA: f32 = 1e-6;
 /// What the mip errors of all channels of a material share: the probes and what lies around them.
 pub struct Averages {
     graph: Graph,
+    cells: Cells,
     probes: Vec<Probe>,
 }
 
 impl Averages {
-    pub fn new(
-        surface: &Surface<'_>,
-        cloud: &[SurfacePoint],
-        probe_count: usize,
-        level_count: usize,
-    ) -> Self {
+    pub fn new(surface: &Surface<'_>, texel_count: u64, probe_count: usize, level_count: usize) -> Self {
         let graph = Graph::new(surface);
-        let probes = averages::probes(surface, &graph, cloud, probe_count, level_count);
-        Self { graph, probes }
+        let cells = averages::cells(surface, &graph, texel_count);
+        let probes = averages::probes(surface, &graph, &cells, probe_count, level_count);
+        Self { graph, cells, probes }
     }
 
     /// The errors of levels 1, 2 …; `None` for a level at which no probe has an average.
@@ -49,15 +51,29 @@ impl Averages {
         converted: &Converted<'_>,
         cut_flags: &[bool],
     ) -> Vec<Option<MipError>> {
-        let is_walked = |probe: &Probe| probe.levels.iter().all(|around| !around.triangles.is_empty());
-        let is_all_walked = self.probes.iter().all(is_walked);
+        let source = Averaged {
+            graph: &self.graph,
+            surface: converted.surface,
+            origin,
+            texels: origin.texels(origin.image),
+        };
+        let arounds = || self.probes.iter().flat_map(|probe| &probe.levels);
+        let needs_cells = arounds().any(|around| around.samples.is_empty());
+        let needs_components = arounds().any(|around| around.triangles.is_empty());
+        let mut components = if needs_components { self.graph.components(cut_flags) } else { Vec::new() };
         let comparison = Comparison {
             graph: &self.graph,
-            origin,
             converted,
-            source: origin.texels(origin.image),
             cut_flags,
-            components: if is_all_walked { Vec::new() } else { self.graph.components(cut_flags) },
+            cells: &self.cells,
+            in_cells: if needs_cells { source.in_cells(&self.cells) } else { Vec::new() },
+            components_of_cells: if needs_components {
+                self.cells.components(&mut components)
+            } else {
+                Vec::new()
+            },
+            components,
+            source,
         };
         let level_count = converted.texture.levels.len().saturating_sub(1);
         let chunks: Vec<Vec<Errors>> = self
@@ -84,12 +100,15 @@ impl Averages {
 
 struct Comparison<'a> {
     graph: &'a Graph,
-    origin: &'a Origin<'a>,
+    cells: &'a Cells,
+    source: Averaged<'a>,
     converted: &'a Converted<'a>,
-    source: Texels<'a>,
     cut_flags: &'a [bool],
-    /// By triangle; empty where no average needs them.
+    /// Both halves' sums by cell; empty where no average needs them, as the others.
+    in_cells: Vec<[Sums; 2]>,
+    /// By triangle, and the least and the greatest by cell.
     components: Vec<u32>,
+    components_of_cells: Vec<[u32; 2]>,
 }
 
 impl Comparison<'_> {
@@ -103,115 +122,102 @@ impl Comparison<'_> {
         marks: &mut [u32],
     ) {
         let Some(halves) = self.average(point, around, marks) else { return };
-        let part = &self.converted.surface.parts[point.part as usize];
-        let triangle = point.triangle as usize;
-        let shown = self.converted.texels(level).bilinear(part.placed[triangle].place_at(point.at, level));
-        let whole = halves[0] + halves[1];
-        if let Meaning::Normal { scale } = self.origin.meaning {
-            let Some(frames) = part.frames().get(triangle) else { return };
-            let shown = object_normal(shown, scale, &interpolated(frames, point.at));
-            let Some(own) = self.origin.corner_frames(point.part as usize, triangle) else { return };
-            let bare = interpolated(own, point.at).normal.normalize_or_zero();
-            let Some(wanted) = (bare + whole.mean().truncate()).try_normalize() else { return };
-            let [a, b] = halves.map(|half| (bare + half.mean().truncate()).normalize_or(wanted));
-            errors.add(degrees_between(wanted, shown), 0.5 * degrees_between(a, b));
-            errors.probe_count += 1;
-            return;
+        let Some(mut found) = self.compared(point, &halves, level) else { return };
+        if found.doubt() > DOUBT_MOST && !around.samples.is_empty() {
+            let is_joined = self.graph.joined(&around.triangles, self.cut_flags, marks);
+            let halves = self.over_points(around, &around.refined(self.graph, &is_joined), &is_joined);
+            found = self.compared(point, &halves, level).unwrap_or(found);
         }
-        let codes = |mean: Vec4| Vec4::from(self.origin.meaning.codes(mean.to_array()));
-        let error = codes(whole.mean()) - Vec4::from(self.origin.meaning.codes(shown));
-        let doubt = 0.5 * (codes(halves[0].mean()) - codes(halves[1].mean()));
-        for &component in stored_components(self.origin.components) {
-            // What cannot be seen has no color.
-            if component == 3 || whole.alpha() > NO_ALPHA {
-                errors.add(error[component].abs(), doubt[component].abs());
-            }
+        for &(error, doubt) in found.components.iter().flatten() {
+            errors.add(error, doubt);
         }
         errors.probe_count += 1;
     }
 
+    /// What the level shows beside an average; `None` where a normal has no direction.
+    fn compared(&self, point: &SurfacePoint, halves: &[Sums; 2], level: usize) -> Option<Compared> {
+        let part = &self.converted.surface.parts[point.part as usize];
+        let triangle = point.triangle as usize;
+        let shown = self.converted.texels(level).bilinear(part.placed[triangle].place_at(point.at, level));
+        let whole = halves[0] + halves[1];
+        let mut components = [None; 4];
+        if let Meaning::Normal { scale } = self.source.origin.meaning {
+            let shown = object_normal(shown, scale, &interpolated(part.frames().get(triangle)?, point.at));
+            let own = self.source.origin.corner_frames(point.part as usize, triangle)?;
+            let bare = interpolated(own, point.at).normal.normalize_or_zero();
+            let wanted = (bare + whole.mean().truncate()).try_normalize()?;
+            let [a, b] = halves.map(|half| (bare + half.mean().truncate()).normalize_or(wanted));
+            components[0] = Some((degrees_between(wanted, shown), 0.5 * degrees_between(a, b)));
+            return Some(Compared { components });
+        }
+        let codes = |mean: Vec4| Vec4::from(self.source.origin.meaning.codes(mean.to_array()));
+        let error = codes(whole.mean()) - Vec4::from(self.source.origin.meaning.codes(shown));
+        let doubt = 0.5 * (codes(halves[0].mean()) - codes(halves[1].mean()));
+        for &component in stored_components(self.source.origin.components) {
+            // What cannot be seen has no color.
+            if component == 3 || whole.alpha() > NO_ALPHA {
+                components[component] = Some((error[component].abs(), doubt[component].abs()));
+            }
+        }
+        Some(Compared { components })
+    }
+
     /// The weighted sums of the source over both halves of the points; `None` where there are none.
     fn average(&self, point: &SurfacePoint, around: &Around, marks: &mut [u32]) -> Option<[Sums; 2]> {
-        let is_walked = !around.triangles.is_empty();
-        let is_joined =
-            if is_walked { self.graph.joined(&around.triangles, self.cut_flags, marks) } else { Vec::new() };
-        let own = self.graph.number(point) as usize;
         let mut halves = [Sums::default(); 2];
-        for (number, sample) in around.samples.iter().enumerate() {
-            let triangle = if is_walked {
-                if !is_joined[sample.triangle as usize] {
-                    continue;
-                }
-                around.triangles[sample.triangle as usize]
-            } else {
-                if self.components[sample.triangle as usize] != self.components[own] {
-                    continue;
-                }
-                sample.triangle
+        let mut add_cell = |cell: usize, weight: f32| {
+            halves.iter_mut().zip(&self.in_cells[cell]).for_each(|(half, sums)| half.add_times(sums, weight));
+        };
+        if around.triangles.is_empty() {
+            let own = self.graph.number(point);
+            let admitted = Admitted {
+                normal: self.graph.cross(own).normalize_or_zero().as_vec3(),
+                component: self.components[own as usize],
+                components: &self.components_of_cells,
             };
-            halves[number % 2].add(self.value(triangle, sample.at), sample.weight, self.weighs_by_alpha());
+            self.cells.of_all(&around.gauss, &admitted, add_cell);
+        } else {
+            let is_joined = self.graph.joined(&around.triangles, self.cut_flags, marks);
+            if around.samples.is_empty() {
+                for (&triangle, _) in around.triangles.iter().zip(is_joined).filter(|(_, joined)| *joined) {
+                    self.cells.of_triangle(triangle, &around.gauss, &mut add_cell);
+                }
+            } else {
+                halves = self.over_points(around, &around.samples, &is_joined);
+            }
         }
         let is_empty = |half: &Sums| half.weight <= 0.0;
         (!halves.iter().any(is_empty)).then_some(halves)
     }
 
-    /// Whether color counts by how much of it is seen.
-    fn weighs_by_alpha(&self) -> bool {
-        self.origin.meaning == Meaning::Color && matches!(self.origin.components, 2 | 4)
-    }
-
-    /// The source at a point of the surface: what is filtered; of a normal map what it adds to the mesh's own
-    /// normal, in object space.
-    fn value(&self, triangle: u32, at: Vec3) -> Vec4 {
-        let (part, triangle) = self.graph.place(triangle);
-        let vertices = self.converted.surface.parts[part].triangles[triangle];
-        let value = self.source.bilinear(self.origin.place(part, vertices, at, self.source.size_texels()));
-        match (self.origin.meaning, self.origin.corner_frames(part, triangle)) {
-            (Meaning::Normal { scale }, Some(frames)) => {
-                let frame = interpolated(frames, at);
-                (object_normal(value, scale, &frame) - frame.normal.normalize_or_zero()).extend(1.0)
+    fn over_points(&self, around: &Around, samples: &[Sample], is_joined: &[bool]) -> [Sums; 2] {
+        let mut halves = [Sums::default(); 2];
+        let weighs_by_alpha = self.source.weighs_by_alpha();
+        // One point after the other goes to each in turn.
+        let mut half = 0;
+        for samples in samples.chunk_by(|a, b| a.triangle == b.triangle) {
+            let local = samples[0].triangle as usize;
+            if !is_joined[local] {
+                continue;
             }
-            _ => Vec4::from(value),
+            let source = self.source.on(around.triangles[local]);
+            for sample in samples {
+                halves[half].add(source.value(sample.at), sample.weight, weighs_by_alpha);
+                half = 1 - half;
+            }
         }
+        halves
     }
 }
 
-#[derive(Clone, Copy, Default)]
-struct Sums {
-    /// Red, green and blue weighted by `color_weight`, alpha by `weight`.
-    sum: Vec4,
-    color_weight: f32,
-    weight: f32,
+/// What one average says of one level: the error and its doubt, by component (an angle is the first).
+struct Compared {
+    components: [Option<(f32, f32)>; 4],
 }
 
-impl Sums {
-    fn add(&mut self, value: Vec4, weight: f32, weighs_by_alpha: bool) {
-        let color_weight = if weighs_by_alpha { weight * value.w } else { weight };
-        self.sum += value * Vec3::splat(color_weight).extend(weight);
-        self.color_weight += color_weight;
-        self.weight += weight;
-    }
-
-    fn mean(&self) -> Vec4 {
-        let color_weight = self.color_weight.max(f32::MIN_POSITIVE);
-        self.sum / Vec3::splat(color_weight).extend(self.weight)
-    }
-
-    /// How much of the average is seen, 0 to 1.
-    fn alpha(&self) -> f32 {
-        self.color_weight / self.weight
-    }
-}
-
-impl std::ops::Add for Sums {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            sum: self.sum + other.sum,
-            color_weight: self.color_weight + other.color_weight,
-            weight: self.weight + other.weight,
-        }
+impl Compared {
+    fn doubt(&self) -> f32 {
+        self.components.iter().flatten().map(|(_, doubt)| *doubt).fold(0.0, f32::max)
     }
 }
 

@@ -5,6 +5,8 @@
 //! the bundle's guarantees.
 
 mod averages;
+mod cell_sums;
+mod cells;
 mod coarse_weights;
 mod edges;
 mod fidelity;

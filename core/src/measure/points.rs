@@ -49,14 +49,19 @@ fn area(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     0.5 * (b - a).cross(c - a).length()
 }
 
-/// A number in [0, 1) for a counter and a dimension: the finalizer of SplitMix64 (Steele, Lea, Flood,
-/// "Fast splittable pseudorandom number generators", OOPSLA 2014).
+/// A number in [0, 1) for a counter and a dimension.
 fn uniform(counter: u64, dimension: u64) -> f64 {
+    (bits(counter * 4 + dimension) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// Random bits for a counter: the finalizer of SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom
+/// number generators", OOPSLA 2014).
+pub fn bits(counter: u64) -> u64 {
     const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
-    let mut z = (counter * 4 + dimension + 1).wrapping_mul(GOLDEN);
+    let mut z = counter.wrapping_add(1).wrapping_mul(GOLDEN);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    z ^ (z >> 31)
 }
 
 #[cfg(test)]

@@ -113,7 +113,7 @@ impl Subject<'_> {
                 points = points::scatter(&surface, fidelity::point_count(texel_count));
                 let probe_count = probe_count.min(points.len() / POINTS_PER_PROBE).max(PROBES_LEAST);
                 let level_count = of_material().map(|(_, texture)| texture.levels.len()).max().unwrap_or(0);
-                averages = Some(Averages::new(&surface, &points, probe_count, level_count));
+                averages = Some(Averages::new(&surface, texel_count, probe_count, level_count));
             }
             let shared = Shared { surface: &surface, points: &points, averages: averages.as_ref() };
             for (number, texture) in of_material() {

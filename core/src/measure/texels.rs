@@ -73,28 +73,43 @@ pub fn encode_codes(linear: f32) -> f32 {
 pub struct Texels<'a> {
     image: &'a Image,
     wrap: Wrap,
-    color: &'static [f32],
-    plain: &'static [f32],
+    tables: Decoding,
     /// Scale and bias of what the tables give.
     scaled: Option<[Vec4; 2]>,
+}
+
+/// For color, and for data and alpha; by depth.
+#[derive(Clone, Copy)]
+enum Decoding {
+    Eight([&'static [f32; 256]; 2]),
+    Sixteen([&'static [f32]; 2]),
 }
 
 impl<'a> Texels<'a> {
     pub fn new(image: &'a Image, transfer: Transfer, wrap: Wrap) -> Self {
         let tables = tables_of(image);
-        let color = if transfer == Transfer::Srgb { &tables.srgb } else { &tables.plain };
-        Self { image, wrap, color, plain: &tables.plain, scaled: None }
+        let of_color = if transfer == Transfer::Srgb { &tables.srgb } else { &tables.plain };
+        let tables = match [of_color, &tables.plain].map(|table| <&[f32; 256]>::try_from(table.as_slice())) {
+            [Ok(color), Ok(plain)] => Decoding::Eight([color, plain]),
+            _ => Decoding::Sixteen([of_color, &tables.plain]),
+        };
+        Self { image, wrap, tables, scaled: None }
     }
 
     /// The same with codes that mean what a level's range says, whatever the transfer.
     pub fn in_range(self, range: Option<&LevelRange>) -> Self {
-        match range {
-            None => self,
-            Some(LevelRange::Float16) => Self { color: &OF_HALF_FLOATS, plain: &OF_HALF_FLOATS, ..self },
-            Some(LevelRange::Scaled16 { scale, bias }) => {
-                Self { color: self.plain, scaled: Some([*scale, *bias]), ..self }
+        let tables = match (range, self.tables) {
+            (Some(LevelRange::Float16), Decoding::Sixteen(_)) => Decoding::Sixteen([&OF_HALF_FLOATS; 2]),
+            (Some(LevelRange::Scaled16 { .. }), Decoding::Sixteen([_, plain])) => {
+                Decoding::Sixteen([plain; 2])
             }
-        }
+            (_, tables) => tables,
+        };
+        let scaled = match range {
+            Some(LevelRange::Scaled16 { scale, bias }) => Some([*scale, *bias]),
+            _ => None,
+        };
+        Self { tables, scaled, ..self }
     }
 
     pub fn size_texels(&self) -> Vec2 {
@@ -105,8 +120,13 @@ impl<'a> Texels<'a> {
     /// in all three, and alpha is 1 where there is none.
     #[inline]
     pub fn bilinear(&self, at_texels: Vec2) -> [f32; 4] {
+        self.filtered(at_texels).to_array()
+    }
+
+    #[inline]
+    pub fn filtered(&self, at_texels: Vec2) -> Vec4 {
         let (cell, part) = cell_of(at_texels);
-        mixed(&self.corners(cell), part).to_array()
+        mixed(&self.corners(cell), part)
     }
 
     /// The decoded texels around a cell: those that stand at its number, one to the right, one below,
@@ -117,44 +137,25 @@ impl<'a> Texels<'a> {
         let columns = neighbors(x, self.wrap.s, width);
         let rows = neighbors(y, self.wrap.t, height).map(|row| row * width as usize);
         let at = [rows[0] + columns[0], rows[0] + columns[1], rows[1] + columns[0], rows[1] + columns[1]];
-        match &self.image.pixels {
-            Pixels::U8(codes) => self.four(codes, at),
-            Pixels::U16(codes) => self.four(codes, at),
-        }
-    }
-
-    #[inline(always)]
-    fn four<T: Copy + Into<usize>>(&self, codes: &[T], [a, b, c, d]: [usize; 4]) -> [Vec4; 4] {
-        [self.decoded(codes, a), self.decoded(codes, b), self.decoded(codes, c), self.decoded(codes, d)]
-    }
-
-    #[inline(always)]
-    fn decoded<T: Copy + Into<usize>>(&self, codes: &[T], texel: usize) -> Vec4 {
-        let value = self.unscaled(codes, texel);
+        let four = match (&self.image.pixels, self.tables) {
+            (Pixels::U8(codes), Decoding::Eight([color, plain])) => {
+                let [color, plain] = [color, plain].map(|table| move |code: u8| table[usize::from(code)]);
+                decoded(codes, self.image.components, at, color, plain)
+            }
+            (Pixels::U16(codes), Decoding::Sixteen([color, plain])) => {
+                let [color, plain] = [color, plain].map(|table| move |code: u16| table[usize::from(code)]);
+                decoded(codes, self.image.components, at, color, plain)
+            }
+            // Tables are of the image's depth.
+            _ => [Vec4::ZERO; 4],
+        };
         match self.scaled {
-            None => value,
-            Some([scale, bias]) => value * scale + bias,
-        }
-    }
-
-    #[inline(always)]
-    fn unscaled<T: Copy + Into<usize>>(&self, codes: &[T], texel: usize) -> Vec4 {
-        let color = |code: T| self.color[code.into()];
-        let plain = |code: T| self.plain[code.into()];
-        match self.image.components {
-            1 => Vec3::splat(color(codes[texel])).extend(1.0),
-            2 => match codes[texel * 2..][..2] {
-                [gray, alpha] => Vec3::splat(color(gray)).extend(plain(alpha)),
-                _ => Vec4::ZERO,
-            },
-            3 => match codes[texel * 3..][..3] {
-                [red, green, blue] => Vec4::new(color(red), color(green), color(blue), 1.0),
-                _ => Vec4::ZERO,
-            },
-            _ => match codes[texel * 4..][..4] {
-                [red, green, blue, alpha] => Vec4::new(color(red), color(green), color(blue), plain(alpha)),
-                _ => Vec4::ZERO,
-            },
+            None => four,
+            Some([scale, bias]) => {
+                let [a, b, c, d] = four;
+                let of = |value: Vec4| value * scale + bias;
+                [of(a), of(b), of(c), of(d)]
+            }
         }
     }
 
@@ -184,6 +185,44 @@ impl<'a> Texels<'a> {
         };
         (0..count)
             .all(|step| matches!((texel(a, step), texel(b, step)), (Some(a), Some(b)) if a.iter().eq(b)))
+    }
+}
+
+/// Texels as red, green, blue, alpha.
+#[inline(always)]
+fn decoded<T: Copy>(
+    codes: &[T],
+    components: u8,
+    [a, b, c, d]: [usize; 4],
+    color: impl Fn(T) -> f32,
+    plain: impl Fn(T) -> f32,
+) -> [Vec4; 4] {
+    match components {
+        1 => {
+            let of = |texel: usize| Vec3::splat(color(codes[texel])).extend(1.0);
+            [of(a), of(b), of(c), of(d)]
+        }
+        2 => {
+            let texels = codes.as_chunks::<2>().0;
+            let of = |texel: usize| Vec3::splat(color(texels[texel][0])).extend(plain(texels[texel][1]));
+            [of(a), of(b), of(c), of(d)]
+        }
+        3 => {
+            let texels = codes.as_chunks::<3>().0;
+            let of = |texel: usize| {
+                let [red, green, blue] = texels[texel];
+                Vec4::new(color(red), color(green), color(blue), 1.0)
+            };
+            [of(a), of(b), of(c), of(d)]
+        }
+        _ => {
+            let texels = codes.as_chunks::<4>().0;
+            let of = |texel: usize| {
+                let [red, green, blue, alpha] = texels[texel];
+                Vec4::new(color(red), color(green), color(blue), plain(alpha))
+            };
+            [of(a), of(b), of(c), of(d)]
+        }
     }
 }
 

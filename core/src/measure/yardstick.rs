@@ -100,12 +100,17 @@ impl<'a> Yardstick<'a> {
         if !self.is_rounded {
             return value;
         }
-        let plain = |value: f32| (value * 255.0).round() / 255.0;
-        let color = |value: f32| self.decode[encode_codes(value).round() as usize];
+        let plain = |value: f32| rounded(value * 255.0) as f32 / 255.0;
+        let color = |value: f32| self.decode[rounded(encode_codes(value))];
         let [red, green, blue, alpha] = value;
         match self.meaning {
             Meaning::Color => [color(red), color(green), color(blue), plain(alpha)],
             _ => value.map(plain),
         }
     }
+}
+
+/// To the nearest whole number, of one that is not negative.
+fn rounded(value: f32) -> usize {
+    (value + 0.5) as usize
 }

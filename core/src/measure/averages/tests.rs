@@ -11,12 +11,14 @@ fn moments(deviation: f64) -> (f64, DVec3, DVec3, usize) {
     let (asset, conversion) = (model(), finished(Slot::Occlusion, |_| [0; 3]));
     let surface = surface_of(&asset, &conversion);
     let graph = Graph::new(&surface);
-    let gather = Gather { graph: &graph, cloud: &[], density: 0.0 };
+    let cells = cells(&surface, &graph, 0);
     // On the diagonal's middle, so that both triangles have a part in it.
     let point = SurfacePoint { part: 0, triangle: 0, at: Vec3::new(0.0, 0.5, 0.5) };
-    let around = gather.around(&point, deviation, &mut [0; 2]);
+    let gauss = Gauss { center: graph.position(&point), deviation };
+    let around = around(&graph, &cells, &point, gauss, Some(&mut vec![0; 2]));
     let (mut weight, mut sum, mut squares) = (0.0, DVec3::ZERO, DVec3::ZERO);
-    for sample in &around.samples {
+    let samples = around.refined(&graph, &[true; 2]);
+    for sample in &samples {
         let triangle = around.triangles[sample.triangle as usize] as usize;
         let [a, b, c] = graph.corners[triangle];
         let at = sample.at.as_dvec3();
@@ -25,7 +27,7 @@ fn moments(deviation: f64) -> (f64, DVec3, DVec3, usize) {
         sum += offset * f64::from(sample.weight);
         squares += offset * offset * f64::from(sample.weight);
     }
-    (weight, sum / weight, squares / weight, around.samples.len())
+    (weight, sum / weight, squares / weight, samples.len())
 }
 
 #[test]
@@ -33,13 +35,13 @@ fn points_on_a_plane_are_the_truncated_gaussian() {
     // Far smaller than the square, so that all of it lies inside.
     for deviation in [0.01, 0.05, 0.1] {
         let (weight, mean, variance, count) = moments(deviation);
-        assert!((weight / (TAU * (1.0 - (-4.5f64).exp())) - 1.0).abs() < 0.03, "{deviation}: {weight}");
-        assert!(mean.length() < 0.04 * deviation, "{deviation}: {mean}");
+        assert!((weight / (TAU * (1.0 - (-4.5f64).exp())) - 1.0).abs() < 0.01, "{deviation}: {weight}");
+        assert!(mean.length() < 0.01 * deviation, "{deviation}: {mean}");
         for along in [variance.x, variance.y] {
             let left = along / deviation.powi(2);
-            assert!((left / VARIANCE_LEFT - 1.0).abs() < 0.05, "{deviation}: {left}");
+            assert!((left / VARIANCE_LEFT - 1.0).abs() < 0.02, "{deviation}: {left}");
         }
-        assert!(count >= POINT_COUNT / 2);
+        assert!(count >= MANY.0.len() / 2);
     }
 }
 
@@ -48,6 +50,30 @@ fn a_reach_over_everything_is_the_plain_mean() {
     let (weight, mean, variance, _) = moments(100.0);
     assert!((weight - 1.0 / 1e4).abs() < 1e-6, "{weight}");
     assert!(mean.length() < 0.4 && variance.x < 0.5, "{mean} {variance}");
+}
+
+#[test]
+fn wide_averages_are_of_cells_and_narrow_ones_of_points() {
+    let (asset, conversion) = (model(), finished(Slot::Occlusion, |_| [0; 3]));
+    let surface = surface_of(&asset, &conversion);
+    let graph = Graph::new(&surface);
+    let cells = cells(&surface, &graph, 0);
+    // Half a square in 2048 or 4096 cells.
+    assert!((0.005..0.03).contains(&cells.radius(0)), "{}", cells.radius(0));
+    let point = SurfacePoint { part: 0, triangle: 0, at: Vec3::splat(1.0 / 3.0) };
+    let has_points = |deviation: f64| {
+        let gauss = Gauss { center: graph.position(&point), deviation };
+        let around = around(&graph, &cells, &point, gauss, Some(&mut vec![0; 2]));
+        assert_eq!(around.triangles[0], 0);
+        !around.samples.is_empty()
+    };
+    assert!(!has_points(cells.radius(0) / CELLS_WITHIN * 1.5));
+    // Where cells are too coarse there are points, and where triangles are not walked all cells take part.
+    let coarse = Cells::new(&graph, &[1.0; 2]);
+    let gauss = Gauss { center: graph.position(&point), deviation: 0.2 };
+    assert!(!super::around(&graph, &coarse, &point, gauss, Some(&mut vec![0; 2])).samples.is_empty());
+    let unwalked = super::around(&graph, &coarse, &point, gauss, None);
+    assert!(unwalked.triangles.is_empty() && unwalked.samples.is_empty());
 }
 
 #[test]
@@ -77,23 +103,4 @@ fn the_sequence_covers_the_triangle() {
         third += y / count as f64;
     }
     assert!((second - 1.0 / 3.0).abs() < 0.02 && (third - 1.0 / 3.0).abs() < 0.02, "{second} {third}");
-}
-
-#[test]
-fn a_cloud_stands_in_where_triangles_are_too_many() {
-    let (asset, conversion) = (model(), finished(Slot::Occlusion, |_| [0; 3]));
-    let surface = surface_of(&asset, &conversion);
-    let graph = Graph::new(&surface);
-    let cloud = scatter(&surface, 16_384);
-    let gather = Gather { graph: &graph, cloud: &cloud, density: 16_384.0 };
-    let gauss = Gauss { center: DVec3::new(0.5, 0.5, 0.0), deviation: 0.1 };
-    let samples = gather.of_cloud(&gauss, 0);
-    let mut marks = vec![0; 2];
-    assert_eq!(graph.near(0, gauss.center, 0.3, 1, &mut marks), None);
-    assert_eq!((graph.near(0, gauss.center, 0.3, 2, &mut marks), marks), (Some(vec![0, 1]), vec![0; 2]));
-    // σ wants 1019 points for each unit of area; the least is 4096, every fourth.
-    let within = 4096.0 * PI * 0.09;
-    assert!((samples.len() as f64 / within - 1.0).abs() < 0.05, "{} {within}", samples.len());
-    let share: f64 = samples.iter().map(|sample| f64::from(sample.weight)).sum::<f64>() / 4096.0;
-    assert!((share / (TAU * 0.01) - 1.0).abs() < 0.05, "{share}");
 }

@@ -4,7 +4,6 @@ use crate::finished::Finished;
 use crate::image::Image;
 use crate::measure::hand_made::{code_mut, finished, finished_by_triangle, image, square, surface_of};
 use crate::measure::origin::meaning;
-use crate::measure::points::scatter;
 
 const CUT: [bool; 1] = [true];
 const JOINED: [bool; 1] = [false];
@@ -14,7 +13,7 @@ fn errors(slot: Slot, asset: &Asset, conversion: &Finished, cut_flags: &[bool]) 
     let origin = Origin::new(asset, &surface, slot).unwrap().unwrap();
     let converted =
         Converted { surface: &surface, texture: &conversion.textures[0], meaning: meaning(asset, 0, slot) };
-    let averages = Averages::new(&surface, &scatter(&surface, 4096), 256, 3);
+    let averages = Averages::new(&surface, 0, 256, 3);
     let found = averages.mip_errors(&origin, &converted, cut_flags);
     found.into_iter().map(|error| error.unwrap()).collect()
 }
