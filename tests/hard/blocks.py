@@ -49,7 +49,7 @@ def checkered(cases):
     }
     for kind, (build, counts) in kinds.items():
         for r in range(4):
-            expect = {f"/point/{name}": count for name, count in counts.items()}
+            expect = {f"/papers/{name}": count for name, count in counts.items()}
             cases[f"checkers_{kind}_{r}"] = (f"Checkers at sample pitch on {kind} of exponent {r}", build(2**r), expect,
                                              {"resolution": f"fixed:{r}", **WELDED})
 
@@ -78,11 +78,11 @@ def white_face(cases):
     # A third of the range, to each of the three samples of the one rule that is broken.
     cases["white_face_black_edges"] = (
         "A white sample inside of a lone triangle among black edges: each of three samples gives a third",
-        occlusion(*soup(faces), spot), {"/point/lone": 7, "/point/level_0/change_max": 85.0},
+        occlusion(*soup(faces), spot), {"/papers/lone": 7, "/papers/level_0/change_max": 85.0},
         {"resolution": "fixed:2", **WELDED})
     bright = png(8, 8, lambda x, y: (0,) if (x, y) == (2, 1) else (255,), kind=0)
     cases["black_face_white_edges"] = ("The same the other way round", occlusion(*soup(faces), bright),
-                                       {"/point/level_0/change_max": 85.0}, {"resolution": "fixed:2", **WELDED})
+                                       {"/papers/level_0/change_max": 85.0}, {"resolution": "fixed:2", **WELDED})
 
 
 def add(cases):

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use meshcolor::image::{Pixels, Transfer};
+use meshcolor::image::{LevelRange, Pixels, Transfer};
 use meshcolor::measure::SolverReport;
 use meshcolor::pipeline::Conversion;
 use meshcolor::watch::Unwatched;
@@ -164,7 +164,7 @@ fn the_promises_see_what_they_look_for() {
     let hard = HardCase::load("source_1x1");
     let breaks = |change: &dyn Fn(&mut Conversion)| {
         // A run in the source's own 8 bits, which the independent reader knows.
-        let run = RUNS.iter().find(|run| run.name == "point").unwrap();
+        let run = RUNS.iter().find(|run| run.name == "papers").unwrap();
         let mut outcome = hard.convert(run, &Unwatched).unwrap();
         change(&mut outcome.conversion);
         catch_unwind(AssertUnwindSafe(|| check("source_1x1", &outcome)))
@@ -177,6 +177,16 @@ fn the_promises_see_what_they_look_for() {
         assert!(said.contains(wanted), "{wanted}: {said}");
     };
     sees("not finite", &|it| it.report.channels[0].levels[1].drift = Some(f64::NAN));
+    sees("level 1 is not finite", &|it| {
+        let texture = &mut it.finished.textures[0];
+        texture.ranges.insert(1, LevelRange::Float16);
+        let image = &mut texture.levels[1];
+        let mut halves =
+            vec![0; image.width as usize * image.height as usize * usize::from(image.components)];
+        // Infinity.
+        halves[7] = 0x7c00;
+        image.pixels = Pixels::U16(halves);
+    });
     sees("has a corner", &|it| it.finished.primitives[0].triangles[3].offset.x = f32::NAN);
     sees("has a corner", &|it| it.finished.primitives[0].triangles[3].offset.y += 99.0);
     sees("a seam of", &|it| it.report.max_seam_delta_codes = 1.6);

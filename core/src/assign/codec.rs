@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use glam::{BVec4A, Vec4};
+use glam::Vec4;
 
 use crate::image::{LevelRange, Transfer};
 use crate::math::transfer::{SRGB8_TO_LINEAR, linear_to_srgb, srgb_to_linear};
@@ -30,10 +30,9 @@ impl Codec {
         }
     }
 
-    /// The components that are not.
-    pub fn unstored(&self) -> BVec4A {
-        let is_stored = |component: usize| self.stored().contains(&component);
-        BVec4A::new(!is_stored(0), !is_stored(1), !is_stored(2), !is_stored(3))
+    /// Whether alpha is among them.
+    pub fn has_alpha(&self) -> bool {
+        self.stored().contains(&ALPHA)
     }
 
     fn encode_one(&self, component: usize, value: f32) -> u16 {

@@ -51,14 +51,15 @@ pub fn represent(
         return Ok(None);
     }
     let weights = weights(channel, rules);
-    let is_stored = channel.frames.is_none();
-    let center = if is_stored { 0.5 } else { 0.0 };
+    let center = systems[0].middle();
+    // Texels may leave [0, 1] where there is room for it; what shows may not.
+    let bounds = channel.frames.is_none().then(|| [0.0, 1.0].map(|end| systems[0].in_unit(end)));
     // Gray stored as RGB is common: components that want the same get the same.
     let twin = |k: usize| (0..k).find(|&earlier| wanted[earlier] == wanted[k]);
     let twins: Vec<Option<usize>> = (0..systems.len()).map(twin).collect();
     let solved: Vec<Option<Solved>> = (wanted.par_iter().zip(&twins))
         .map(|(wanted, twin)| {
-            let problem = Problem { rules, wanted, weights: &weights, center, is_stored };
+            let problem = Problem { rules, wanted, weights: &weights, center, bounds };
             if twin.is_some() { Ok(None) } else { solve_by(solver, &problem, watch).map(Some) }
         })
         .collect::<Result<_>>()?;

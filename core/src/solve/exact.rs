@@ -85,23 +85,23 @@ impl Rows {
         let mut rows = Self::default();
         for row in 0..problem.rules.len() {
             let value = problem.rules.value(row, problem.wanted);
-            rows.push(problem.rules.terms(row), value);
+            rows.push(problem.rules.terms(row), value, [0.0, 1.0]);
         }
-        if problem.is_stored {
+        if let Some(bounds) = problem.bounds {
             for (variable, &value) in problem.wanted.iter().enumerate() {
-                rows.push(&[(variable as u32, 1.0)], value);
+                rows.push(&[(variable as u32, 1.0)], value, bounds);
             }
         }
         rows
     }
 
-    /// `0 <= value + terms · x <= 1`.
-    fn push(&mut self, terms: &[(u32, f64)], value: f64) {
+    /// `low <= value + terms · x <= high`.
+    fn push(&mut self, terms: &[(u32, f64)], value: f64, [low, high]: [f64; 2]) {
         let length = terms.iter().map(|(_, weight)| weight * weight).sum::<f64>().sqrt();
         if length == 0.0 {
             return;
         }
-        for (sign, bound) in [(1.0, 1.0 - value), (-1.0, value)] {
+        for (sign, bound) in [(1.0, high - value), (-1.0, value - low)] {
             for &(variable, weight) in terms.iter().filter(|term| term.1 != 0.0) {
                 self.at_row.push(self.bounds.len());
                 self.at_variable.push(variable as usize);

@@ -105,7 +105,7 @@ impl<'a> State<'a> {
                 }
             }
             let row = problem.rules.len() + variable as usize;
-            let is_free = problem.is_stored && !self.is_bounded[variable as usize];
+            let is_free = problem.bounds.is_some() && !self.is_bounded[variable as usize];
             if is_free && problem.violation(row, &self.solution.values) > TOLERANCE {
                 self.is_bounded[variable as usize] = true;
                 self.admit_row(row, std::iter::once(variable), &mut frontier);
@@ -249,8 +249,14 @@ impl<'a> State<'a> {
         for &(_, row) in keyed {
             let place = |(variable, weight): (u32, f64)| (self.places[variable as usize], weight);
             match bounded(row) {
-                Some(variable) => island.push(std::iter::once(place((variable, 1.0))), 0.0),
-                None => island.push(terms(row).iter().copied().map(place), f64::from(rules.constant(row))),
+                Some(variable) => {
+                    let bounds = self.problem.bounds.unwrap_or([0.0, 1.0]);
+                    island.push(std::iter::once(place((variable, 1.0))), 0.0, bounds);
+                }
+                None => {
+                    let constant = f64::from(rules.constant(row));
+                    island.push(terms(row).iter().copied().map(place), constant, [0.0, 1.0]);
+                }
             }
         }
         island.variables().iter().for_each(|&variable| self.places[variable as usize] = NOWHERE);

@@ -37,9 +37,14 @@ impl Island {
         Self { variables, is_affine, ..Self::default() }
     }
 
-    /// Adds `0 <= constant + terms · y <= 1`; `terms` name their variables by place. The range is narrower by
+    /// Adds `low <= constant + terms · y <= high`; `terms` name their variables by place. The range is narrower by
     /// what the row's value may change when its samples are rounded to 64 bits: 5e-4 for weights of `4^20`.
-    pub fn push(&mut self, terms: impl Iterator<Item = (u32, f64)> + Clone, constant: f64) {
+    pub fn push(
+        &mut self,
+        terms: impl Iterator<Item = (u32, f64)> + Clone,
+        constant: f64,
+        [low, high]: [f64; 2],
+    ) {
         let square: f64 = terms.clone().map(|(_, weight)| weight * weight).sum();
         let length = square.sqrt();
         if length == 0.0 {
@@ -54,12 +59,12 @@ impl Island {
             self.places.extend(terms.clone().map(|term| term.0));
         }
         let rounding = f64::EPSILON * terms.clone().map(|term| term.1.abs()).sum::<f64>();
-        let margin = rounding.min(0.25);
+        let margin = rounding.min(0.25 * (high - low));
         self.weights.extend(terms.map(|term| term.1 / length));
         self.cell_of.push(self.cells.len() as u32 - 1);
         self.scales.push(1.0 / length);
-        self.low.push((margin - constant) / length);
-        self.high.push((1.0 - margin - constant) / length);
+        self.low.push((low + margin - constant) / length);
+        self.high.push((high - margin - constant) / length);
     }
 
     pub fn variables(&self) -> &[u32] {

@@ -16,9 +16,9 @@ pub struct Problem<'a> {
     /// Value of every variable at which every rule holds with room to spare: 1/2 for stored values (rules
     /// sum to 1), 0 for normals.
     pub center: f64,
-    /// Whether the variables themselves are stored (colors and data: a copied texel is the sample) and so
-    /// have to stay in [0, 1] too.
-    pub is_stored: bool,
+    /// What the variables themselves have to stay in: colors and data, which viewers see as they are. `None` for
+    /// normals.
+    pub bounds: Option<[f64; 2]>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -54,17 +54,20 @@ impl Solution {
 }
 
 impl Problem<'_> {
-    /// Rules first; then, where variables are stored, one for each variable.
+    /// Rules first; then, where variables have bounds, one for each variable.
     pub fn row_count(&self) -> usize {
-        self.rules.len() + if self.is_stored { self.wanted.len() } else { 0 }
+        self.rules.len() + if self.bounds.is_some() { self.wanted.len() } else { 0 }
     }
 
     /// How far a row is out of range, at least 0.
     pub fn violation(&self, row: usize, values: &[f64]) -> f64 {
-        violation(match row.checked_sub(self.rules.len()) {
-            Some(variable) => values[variable],
-            None => self.rules.value(row, values),
-        })
+        match (row.checked_sub(self.rules.len()), self.bounds) {
+            (Some(variable), Some([low, high])) => {
+                (low - values[variable]).max(values[variable] - high).max(0.0)
+            }
+            (Some(_), None) => 0.0,
+            (None, _) => violation(self.rules.value(row, values)),
+        }
     }
 
     /// Largest violation over all rows, and the number of those beyond [`TOLERANCE`].

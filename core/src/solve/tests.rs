@@ -6,7 +6,7 @@ use super::{Problem, Solution, TOLERANCE, solve, solve_exactly, solve_locally};
 use crate::assign::Rules;
 
 fn problem<'a>(rules: &'a Rules, wanted: &'a [f64], weights: &'a [f64]) -> Problem<'a> {
-    Problem { rules, wanted, weights, center: 0.5, is_stored: true }
+    Problem { rules, wanted, weights, center: 0.5, bounds: Some([0.0, 1.0]) }
 }
 
 fn run(rules: &Rules, wanted: &[f64]) -> Solution {
@@ -98,8 +98,7 @@ fn rules_with_constants_center_on_zero() {
     let rules = Rules::from_rows(&[(&terms, 0.5)]);
     let wanted = [0.6, 0.0, 0.8];
     let weights = [1.0; 3];
-    let problem =
-        Problem { rules: &rules, wanted: &wanted, weights: &weights, center: 0.0, is_stored: false };
+    let problem = Problem { rules: &rules, wanted: &wanted, weights: &weights, center: 0.0, bounds: None };
     let solution = solve(&problem, &|| false);
     let value: f64 = (0..3).map(|k| solution.values[k] * f64::from(direction[k])).sum();
     assert!((value - 0.5).abs() < 1e-6, "the texel leans on its bound: {value}");

@@ -24,9 +24,6 @@ const HEADING: &[&str] = &[
     "ms",
 ];
 
-/// Runs whose figures count for the table: those that keep what faces share.
-const SHOWN_APART: [&str; 3] = ["local", "clamp", "nearest"];
-
 /// The whole table; `times` by case.
 pub fn text(times: &BTreeMap<String, String>) -> String {
     let rows = names().into_iter().map(|name| {
@@ -50,7 +47,8 @@ fn row(hard: &HardCase, recorded: &Value, time: &str) -> Vec<String> {
         let blank = std::iter::repeat_n(String::new(), HEADING.len() - 3);
         return head.into_iter().chain(refused).chain(blank).collect();
     }
-    let kept = || RUNS.iter().map(|run| run.name).filter(|name| !SHOWN_APART.contains(name));
+    // Columns of their own show what the others leave.
+    let kept = || RUNS.iter().filter(|run| run.keeps_edges()).map(|run| run.name);
     let largest = |figure: &str| {
         let figures = kept().filter_map(|run| recorded[run][figure].as_f64());
         figures.fold(None, |most: Option<f64>, figure| Some(most.map_or(figure, |most| most.max(figure))))

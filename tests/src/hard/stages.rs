@@ -89,8 +89,13 @@ impl Stages<'_> {
         let mut values = LevelValues::new(wanted.iter().map(|&value| gray(value)).collect(), wanted.len());
         let of_rules: Vec<f64> = rules.variables().iter().map(|&sample| wanted[sample as usize]).collect();
         let weights = vec![1.0; of_rules.len()];
-        let problem =
-            Problem { rules: &rules, wanted: &of_rules, weights: &weights, center: 0.5, is_stored: true };
+        let problem = Problem {
+            rules: &rules,
+            wanted: &of_rules,
+            weights: &weights,
+            center: 0.5,
+            bounds: Some([0.0, 1.0]),
+        };
         let Solution { values: solved, residual, .. } = solve(&problem, &|| false);
         for (&sample, &value) in rules.variables().iter().zip(&solved) {
             (0..3).for_each(|component| values.set(sample as usize, component, value));

@@ -65,9 +65,10 @@ impl Band<'_> {
             Sheet::Codes8(codes) => write_line8(&self.codec.plain, codes, line),
             Sheet::Codes16(codes) => write_line16(&self.codec, codes, line),
             Sheet::Extent(extent) => {
-                let unstored = self.codec.plain.unstored();
-                let inside = Vec4::splat(0.5);
-                line.values.iter().for_each(|value| extent.add(Vec4::select(unstored, inside, *value)));
+                // An alpha that nobody reads has no say.
+                let has_alpha = self.codec.plain.has_alpha();
+                let judged = |value: &Vec4| if has_alpha { *value } else { value.with_w(0.5) };
+                line.values.iter().for_each(|value| extent.add(judged(value)));
             }
         }
     }

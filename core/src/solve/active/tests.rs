@@ -11,7 +11,7 @@ type Row = (Vec<f64>, f64);
 fn island(variable_count: usize, rows: &[Row]) -> Island {
     let mut island = Island::new((0..variable_count as u32).collect(), false);
     for (weights, constant) in rows {
-        island.push((0..).zip(weights.iter().copied()), *constant);
+        island.push((0..).zip(weights.iter().copied()), *constant, [0.0, 1.0]);
     }
     island
 }

@@ -11,7 +11,7 @@ fn island(variable_count: usize, cells: &[Vec<u32>], rows: usize, seed: u64) -> 
     for cell in cells {
         for _ in 0..rows {
             let terms: Vec<(u32, f64)> = cell.iter().map(|&v| (v, numbers.next().unwrap() - 0.5)).collect();
-            island.push(terms.into_iter(), 0.5);
+            island.push(terms.into_iter(), 0.5, [0.0, 1.0]);
         }
     }
     island
