@@ -205,14 +205,18 @@ fn weights(channel: &LevelChannel<'_>, rules: &Rules) -> Vec<f64> {
     let mean = if mean > 0.0 { mean } else { 1.0 };
     let area = |sample: u32| f64::from(areas.of(channel.numbering, sample as usize));
     let weight = |sample: u32| (area(sample) / mean).max(WEIGHT_FLOOR);
-    let per_sample = if channel.frames.is_some() { 3 } else { 1 };
-    rules.variables().iter().map(|variable| weight(variable / per_sample)).collect()
+    rules.variables().iter().map(|&variable| weight(sample_of(channel, variable))).collect()
+}
+
+/// The sample that a variable is, or is a component of.
+fn sample_of(channel: &LevelChannel<'_>, variable: u32) -> u32 {
+    if channel.frames.is_some() { variable / 3 } else { variable }
 }
 
 /// The values of the samples that rules are about.
 fn samples_of(channel: &LevelChannel<'_>, rules: &Rules, values: &[Vec4]) -> Vec<Vec4> {
-    let per_sample = if channel.frames.is_some() { 3 } else { 1 };
-    let mut samples: Vec<u32> = rules.variables().iter().map(|variable| variable / per_sample).collect();
+    let mut samples: Vec<u32> =
+        rules.variables().iter().map(|&variable| sample_of(channel, variable)).collect();
     samples.dedup();
     samples.into_iter().map(|sample| values[sample as usize]).collect()
 }

@@ -21,9 +21,9 @@ use crate::{bundle, input, sample, work};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
-Runs the presets draft, standard and exact, and standard with each rung of each ladder in turn: some 13 \
-conversions. Writes tradeoff.json, tradeoff.md, tradeoff.svg and tradeoff.png. --cut holds for all \
-runs, and so does --resolution where it is not the preset's; rungs that are named here are one run more. A rung that cannot be had on the model is a row with \
+Runs the presets draft, standard and exact, and standard with each rung of each ladder in turn: 12 \
+conversions, one more where rungs are named. Writes tradeoff.json, tradeoff.md, tradeoff.svg and tradeoff.png. --cut holds for all \
+runs, and so does --resolution where it is not the preset's; A rung that cannot be had on the model is a row with \
 its reason. Times are CPU seconds of the process.")]
 pub struct Arguments {
     /// The model: .glb, .gltf, .obj or .zip; `-` is standard input; without one, the demo's sample

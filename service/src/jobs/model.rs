@@ -125,7 +125,7 @@ pub const SWITCHES: [SwitchSpec; 2] = [
         name: "tradeoff",
         default: false,
         doc: "Whether to convert by every rung of every ladder too, and add `tradeoff/` with a table and a \
-              picture of error against time. That is some 13 conversions more: send it as a job.",
+              picture of error against time. That is 12 conversions more: send it as a job.",
         field: |options| &mut options.tradeoff,
     },
 ];

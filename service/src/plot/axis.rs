@@ -9,9 +9,6 @@ pub struct Axis {
     is_log: bool,
 }
 
-/// Values to mark.
-pub type Ticks = Vec<f64>;
-
 impl Axis {
     /// A linear axis over the values, from zero on unless that would squeeze them into its far half.
     pub fn linear(values: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Self {
@@ -35,11 +32,11 @@ impl Axis {
     }
 
     /// Round values inside, about `count` of them.
-    pub fn ticks(&self, count: usize) -> Ticks {
+    pub fn ticks(&self, count: usize) -> Vec<f64> {
         if self.is_log { self.log_ticks(count) } else { self.linear_ticks(count) }
     }
 
-    fn linear_ticks(&self, count: usize) -> Ticks {
+    fn linear_ticks(&self, count: usize) -> Vec<f64> {
         let rough = (self.range[1] - self.range[0]) / count.max(1) as f64;
         let power = 10f64.powf(rough.log10().floor());
         let step = [1.0, 2.0, 5.0, 10.0].map(|n| n * power).into_iter().find(|step| *step >= rough);
@@ -49,11 +46,11 @@ impl Axis {
     }
 
     /// Powers of ten, split finer until there are enough.
-    fn log_ticks(&self, count: usize) -> Ticks {
+    fn log_ticks(&self, count: usize) -> Vec<f64> {
         let splits: [&[f64]; 4] =
             [&[1.0], &[1.0, 3.0], &[1.0, 2.0, 5.0], &[1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0]];
         let powers = self.range[0].floor() as i32..=self.range[1].ceil() as i32;
-        let ticks = |split: &[f64]| -> Ticks {
+        let ticks = |split: &[f64]| -> Vec<f64> {
             let all = powers.clone().flat_map(|power| split.iter().map(move |n| n * 10f64.powi(power)));
             all.filter(|tick| (self.range[0]..=self.range[1]).contains(&tick.log10())).collect()
         };

@@ -7,7 +7,7 @@ mod axis;
 mod raster;
 mod svg;
 
-pub use axis::{Axis, Ticks};
+pub use axis::Axis;
 pub use raster::png;
 pub use svg::{Anchor, Style, Svg, text_width};
 

@@ -14,7 +14,8 @@ pub struct Tradeoff {
     /// The model's file name without its ending.
     pub model: String,
     pub face_count: u64,
-    /// Resolution and cuts, which hold for every run.
+    /// The options that are no ladder: cuts, which hold for every run, and the resolution, of which a preset may have its
+    /// own.
     pub options: Map<String, Value>,
     pub started_at: String,
     pub machine: Machine,
@@ -119,7 +120,7 @@ pub struct Errors {
     pub codes: Option<UnitErrors>,
     /// Normal maps, in degrees.
     pub degrees: Option<UnitErrors>,
-    /// What the solver changed; absent where no texel was out of range.
+    /// What the solver changed, and storing in a range; absent where neither had to do with any level.
     pub change: Option<Change>,
 }
 

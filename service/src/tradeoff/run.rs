@@ -36,7 +36,7 @@ pub struct Manner<'a> {
     pub done: f32,
 }
 
-/// Runs every rung with the resolution and the cuts of `base`, on the threads of the pool that calls it.
+/// Runs every rung with the cuts of `base`, and with its resolution where that is not its preset's, on the threads of the pool that calls it.
 ///
 /// # Errors
 /// What keeps `standard` from converting, `Canceled`, and errors of our own; a rung that refuses the

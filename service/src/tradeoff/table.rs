@@ -15,7 +15,7 @@ pub fn markdown(record: &Tradeoff) -> String {
          *computing* is sampling, mip levels, layout, texel rules and the solver; *all* adds reading, \
          measuring and writing. Errors are {unit} over all channels in that unit: the root mean square at \
          level 0 and over all levels, the 99th percentile and the maximum of the worst channel. *seam* is the \
-         largest jump over an uncut edge, with the largest 99.9th percentile. *change* is what the solver did, \
+         largest jump over an uncut edge, with the largest 99.9th percentile. *change* is what the solver did, or storing in a range, \
          on the worst level of the worst channel. Of the runs without seams, those that no other beats are \
          marked: ● by the error of level 0, ◆ by that over all levels; ○ has seams.\n\n{}\n\
          ## Seconds by stage\n\n{}\n\

@@ -65,7 +65,7 @@ fn places(case: &Case) -> Vec<Vec3> {
     places
 }
 
-/// Noise, and noise in blocks of several cells (`scale` cells to a block).
+/// Noise, and noise in blocks of several cells (`blocks_per_unit` along a length of 1).
 fn noisy(random: &mut Random, places: &[Vec3], blocks_per_unit: f32) -> Vec<Vec4> {
     let blocks = random.colors(4096);
     let one = |place: &Vec3| {
@@ -195,7 +195,7 @@ fn nothing_crosses_a_cut() {
     }
 }
 
-/// Three islands in sight of each other: the last levels are each one's own mean by area.
+/// The last levels are the sheet's mean by area.
 #[test]
 fn the_last_level_is_the_mean_of_what_hangs_together() {
     let mut random = Random(9);
