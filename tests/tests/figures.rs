@@ -5,7 +5,7 @@ use std::process::Command;
 
 use meshcolor::measure::{LevelReport, Report};
 use meshcolor::pipeline::{Options, convert};
-use meshcolor::read::{Limits, MemoryFiles, Upload};
+use meshcolor::read::{Limits, Upload};
 use meshcolor::watch::Unwatched;
 use meshcolor_tests::repository::{hold, markdown, root};
 use meshcolor_tests::{models, requires_tools};
@@ -39,25 +39,20 @@ fn the_sample() {
 
 #[test]
 fn fox() {
-    let Some(bytes) = models::bytes("Fox.glb") else { return };
-    compare("Fox", &Upload::single("Fox.glb", bytes));
+    let Some(upload) = models::upload("Fox") else { return };
+    compare("Fox", &upload);
 }
 
 #[test]
 fn spot_with_quads() {
-    let names = ["spot_control_mesh.obj", "spot.mtl", "spot_texture.png"];
-    let mut files = MemoryFiles::default();
-    for name in names {
-        let Some(bytes) = models::bytes(&format!("spot/{name}")) else { return };
-        files.0.insert(name.to_owned(), bytes);
-    }
-    compare("spot", &Upload { main: names[0].to_owned(), files: Box::new(files) });
+    let Some(upload) = models::upload("spot") else { return };
+    compare("spot", &upload);
 }
 
 #[test]
 fn damaged_helmet() {
-    let Some(bytes) = models::bytes("DamagedHelmet.glb") else { return };
-    let report = compare("DamagedHelmet", &Upload::single("DamagedHelmet.glb", bytes));
+    let Some(upload) = models::upload("DamagedHelmet") else { return };
+    let report = compare("DamagedHelmet", &upload);
     let color = report.channels.iter().find(|channel| channel.slots == ["baseColorTexture"]).unwrap();
     let row = |title: &str, figure: &dyn Fn(&LevelReport) -> Option<f64>| {
         let figures =

@@ -9,7 +9,7 @@ use meshcolor::finished::{
     Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame, PrimitiveCuts, extract,
 };
 use meshcolor::image::{Image, Pixels, Transfer};
-use meshcolor::read::{Limits, MemoryFiles, Upload, read};
+use meshcolor::read::{Limits, Upload, read};
 use meshcolor::watch::Unwatched;
 use meshcolor_tests::{models, validator};
 
@@ -110,23 +110,12 @@ fn judge(name: &str, upload: &Upload) {
 }
 
 #[test]
-fn real_glb_models_are_valid_and_come_back() {
-    for name in ["DamagedHelmet.glb", "Fox.glb"] {
-        if let Some(bytes) = models::bytes(name) {
-            judge(name, &Upload::single(name, bytes));
+fn real_models_are_valid_and_come_back() {
+    for name in ["DamagedHelmet", "Fox", "spot"] {
+        if let Some(upload) = models::upload(name) {
+            judge(name, &upload);
         }
     }
-}
-
-#[test]
-fn an_obj_model_with_quads_is_valid_and_comes_back() {
-    let names = ["spot_control_mesh.obj", "spot.mtl", "spot_texture.png"];
-    let mut files = MemoryFiles::default();
-    for name in names {
-        let Some(bytes) = models::bytes(&format!("spot/{name}")) else { return };
-        files.0.insert(name.to_owned(), bytes);
-    }
-    judge("spot", &Upload { main: names[0].to_owned(), files: Box::new(files) });
 }
 
 #[test]
