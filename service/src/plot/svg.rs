@@ -18,18 +18,18 @@ pub struct Style {
     /// Height of the letters' square, pixels.
     pub size: f64,
     pub ink: &'static str,
-    /// The font is a light one; its outlines are drawn too where words matter.
-    pub is_strong: bool,
+    /// Width of the outlines, in sizes: the font is a light one, and where words matter these are drawn too.
+    pub outline: f64,
     pub anchor: Anchor,
 }
 
 impl Style {
     pub const fn new(size: f64, ink: &'static str) -> Self {
-        Self { size, ink, is_strong: false, anchor: Anchor::Start }
+        Self { size, ink, outline: 0.0, anchor: Anchor::Start }
     }
 
     pub const fn strong(self) -> Self {
-        Self { is_strong: true, ..self }
+        Self { outline: 1.0 / 28.0, ..self }
     }
 
     pub const fn anchored(self, anchor: Anchor) -> Self {
@@ -60,8 +60,8 @@ impl Svg {
             Anchor::Middle => " text-anchor=\"middle\"",
             Anchor::End => " text-anchor=\"end\"",
         };
-        let stroke = if style.is_strong {
-            format!(" stroke=\"{}\" stroke-width=\"{}\"", style.ink, number(style.size / 28.0))
+        let stroke = if style.outline > 0.0 {
+            format!(" stroke=\"{}\" stroke-width=\"{}\"", style.ink, number(style.size * style.outline))
         } else {
             String::new()
         };
@@ -70,6 +70,12 @@ impl Svg {
         self.element(format_args!(
             "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"{ink}\"{stroke}{anchor}>{words}</text>"
         ));
+    }
+
+    /// Words on a panel that may stand on lines: a rim keeps these off.
+    pub fn text_on_lines(&mut self, at: [f64; 2], style: Style, words: &str) {
+        self.text(at, Style { ink: ink::PANEL, outline: 0.3, ..style }, words);
+        self.text(at, style, words);
     }
 
     /// A line through points.

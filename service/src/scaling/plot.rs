@@ -16,7 +16,7 @@ const TITLE: Style = Style::new(24.0, ink::TEXT).strong();
 const TICK: Style = Style::new(19.0, ink::MUTED);
 const LABEL_SIZE: f64 = 19.0;
 /// Room for the labels at the lines' ends.
-const LABEL_WIDTH: f64 = 150.0;
+const LABEL_WIDTH: f64 = 204.0;
 const AXIS_WIDTH: f64 = 66.0;
 /// Closest distance of two labels.
 const LABEL_STEP: f64 = 21.0;
@@ -37,7 +37,7 @@ pub fn svg(scaling: &Scaling) -> String {
     svg.text([MARGIN, 62.0], HEADLINE, &words);
     let subtitle = "A torus in finer and finer grids, as much texture on each face at every size. CPU seconds of all threads.";
     svg.text([MARGIN, 100.0], SUBTITLE, subtitle);
-    let gap = 28.0;
+    let gap = 20.0;
     let width = (WIDTH - 2.0 * MARGIN - 2.0 * gap) / 3.0;
     let place = |number: f64| [MARGIN + (width + gap) * number, TOP, width, BOTTOM - TOP];
     let panels = [

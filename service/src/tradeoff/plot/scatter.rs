@@ -209,7 +209,7 @@ fn draw_labels(
         let mut baseline = place[1];
         for (words, style) in &words {
             baseline += style.size * 1.12;
-            svg.text([place[0], baseline - style.size * 0.25], *style, words);
+            svg.text_on_lines([place[0], baseline - style.size * 0.25], *style, words);
         }
     }
     taken
