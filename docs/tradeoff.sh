@@ -21,7 +21,7 @@ for model in "${models[@]}"; do
     spot_control_mesh) input=("$assets/spot/spot_control_mesh.obj") ;;
     DamagedHelmet) input=("$assets/DamagedHelmet.glb") ;;
     scaling)
-      MESHCOLOR_WRITE_DOCS=1 cargo bench -p meshcolor --bench scaling
+      MESHCOLOR_WRITE_DOCS=1 cargo bench -p meshcolor --bench scaling -- --rungs-most 100000
       continue
       ;;
     *)

@@ -65,7 +65,14 @@ fn curl_lines_ask_for_paths_that_there_are() {
     let paths: Vec<&str> =
         api.lines().filter_map(|line| line.strip_prefix("  /")?.strip_suffix(':')).collect();
     let mut asked = 0;
-    for document in ["README.md", "docs/format.md", "docs/figures.md", "docs/tradeoff.md"] {
+    for document in [
+        "README.md",
+        "docs/format.md",
+        "docs/figures.md",
+        "docs/tradeoff.md",
+        "docs/ladders.md",
+        "docs/solver.md",
+    ] {
         let text = file(document);
         for url in text.split_whitespace().filter_map(|word| word.split_once("localhost:8080/")) {
             let path = url.1.trim_end_matches(['\'', '"', '`', ',', '.']).split('?').next().unwrap();
@@ -110,7 +117,15 @@ fn named_variables_are_read_by_something() {
     // Read by the tests.
     let of_tests = ["MESHCOLOR_ASSETS", "MESHCOLOR_REQUIRE_TOOLS", "MESHCOLOR_WRITE_DOCS"];
     let known = known_variables();
-    for document in ["README.md", "Dockerfile", "docs/figures.md", "docs/tradeoff.md", "CHANGELOG.md"] {
+    for document in [
+        "README.md",
+        "Dockerfile",
+        "docs/figures.md",
+        "docs/tradeoff.md",
+        "docs/ladders.md",
+        "docs/solver.md",
+        "CHANGELOG.md",
+    ] {
         let named = variables_in(&file(document));
         let unknown: Vec<_> = named
             .iter()
@@ -169,6 +184,8 @@ fn paths_in_documents_lead_somewhere() {
         "docs/format.md",
         "docs/figures.md",
         "docs/tradeoff.md",
+        "docs/ladders.md",
+        "docs/solver.md",
     ];
     for document in documents {
         let text = file(document);

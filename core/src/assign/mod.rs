@@ -66,6 +66,18 @@ impl LevelChannel<'_> {
         }
     }
 
+    /// Which face's corner stands at each corner of a cell's square; the square's rows, then its columns.
+    fn square(&self, faces: [Option<u32>; 2]) -> [[Option<(usize, usize)>; 2]; 2] {
+        let mut corners = [[None; 2]; 2];
+        for face in faces.into_iter().flatten().map(|face| face as usize) {
+            for corner in 0..self.numbering.canvas.faces[face].count() {
+                let [x, y] = self.layout.placements[face].corners[corner].map(usize::from);
+                corners[y][x] = Some((face, corner));
+            }
+        }
+        corners
+    }
+
     /// Whether nobody shares the edge that a lone triangle has on its diagonal: one side, or a cut.
     fn is_free(&self, face: usize, edge: usize) -> bool {
         let number = self.numbering.canvas.faces[face].edges[edge] as usize;

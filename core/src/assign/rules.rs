@@ -8,7 +8,7 @@
 use std::sync::OnceLock;
 
 use crate::colors::Tap;
-use crate::layout::{Block, BlockKind};
+use crate::layout::Block;
 use glam::Mat3;
 
 use super::paint::{BeyondCell, corner_weights};
@@ -204,23 +204,10 @@ pub fn rules(channel: &LevelChannel<'_>) -> Rules {
     let rules = Rules { is_affine: channel.frames.is_none(), ..Rules::default() };
     let mut builder = Builder { channel, rules };
     for block in &channel.layout.blocks {
-        let (first, second) = block.kind.faces();
-        let is_beyond = block.is_beyond(channel.numbering.level);
-        match block.kind {
-            BlockKind::Quad(_) | BlockKind::Merged(_) => {
-                if is_beyond {
-                    builder.beyond(block, &[Some(first), second]);
-                }
-            }
-            BlockKind::Lone(_) | BlockKind::Twins(_) => {
-                for face in std::iter::once(first).chain(second) {
-                    if is_beyond {
-                        builder.beyond(block, &[Some(face)]);
-                    } else {
-                        builder.border(face as usize);
-                    }
-                }
-            }
+        if block.is_beyond(channel.numbering.level) {
+            block.kind.cells().for_each(|cell| builder.beyond(block, cell));
+        } else if block.kind.is_lone() {
+            block.kind.cells().flatten().flatten().for_each(|face| builder.border(face as usize));
         }
     }
     builder.rules.number_variables();
@@ -267,17 +254,11 @@ impl Builder<'_> {
         }
     }
 
-    /// The texels whose bilinear footprint the block (or lone triangle) is.
-    fn beyond(&mut self, block: &Block, faces: &[Option<u32>]) {
+    /// The texels whose bilinear footprint a cell is.
+    fn beyond(&mut self, block: &Block, faces: [Option<u32>; 2]) {
         let numbering = self.channel.numbering;
-        let mut corners = [[None; 2]; 2];
-        for face in faces.iter().flatten().map(|&face| face as usize) {
-            for corner in 0..numbering.canvas.faces[face].count() {
-                let [x, y] = self.channel.layout.placements[face].corners[corner].map(usize::from);
-                corners[y][x] = Some((face, corner));
-            }
-        }
-        let cell = BeyondCell::new(self.channel, block, faces[0].unwrap_or(0) as usize);
+        let corners = self.channel.square(faces);
+        let cell = BeyondCell::new(self.channel, block, faces);
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let weights = corner_weights(corners.map(|row| row.map(|c| c.is_some())), cell.at(dx, dy));
             let parts = weights.into_iter().filter_map(|([x, y], weight)| {
@@ -289,7 +270,7 @@ impl Builder<'_> {
             let parts: Vec<Part> = parts.collect();
             self.push(&parts);
         }
-        self.rules.end_group([faces[0], faces.get(1).copied().flatten()]);
+        self.rules.end_group(faces);
     }
 
     fn push(&mut self, parts: &[Part]) {

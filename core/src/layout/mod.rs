@@ -76,6 +76,20 @@ impl BlockKind {
         }
     }
 
+    /// Whether its triangles have nothing to do with each other.
+    pub fn is_lone(self) -> bool {
+        matches!(self, BlockKind::Lone(_) | BlockKind::Twins(_))
+    }
+
+    /// What is one small place between texels beyond vertex colors: all of a quad or pair, each lone triangle by
+    /// itself. The first face is always there.
+    pub fn cells(self) -> impl Iterator<Item = [Option<u32>; 2]> {
+        let (first, second) = self.faces();
+        let (one, other) =
+            if self.is_lone() { ([Some(first), None], second) } else { ([Some(first), second], None) };
+        std::iter::once(one).chain(other.map(|face| [Some(face), None]))
+    }
+
     /// Extra columns beyond `n + 1`.
     fn extra_columns(self) -> u32 {
         match self {

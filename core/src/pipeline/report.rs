@@ -159,45 +159,70 @@ fn describe_layout(report: &mut LayoutReport, conversion: &MaterialConversion) {
     }
 }
 
+/// What effects had to do with, over all materials.
+struct Counts {
+    cut_edges: usize,
+    merged: usize,
+    lone: usize,
+    /// Faces that go on beyond vertex colors.
+    beyond: usize,
+    normals: usize,
+    alpha: usize,
+    masks: usize,
+    /// Levels of channels.
+    levels: usize,
+    solved: usize,
+    stored: usize,
+}
+
+impl Counts {
+    fn new(materials: &[MaterialConversion]) -> Self {
+        let channels = || materials.iter().flat_map(|conversion| &conversion.channels);
+        let blocks = || materials.iter().flat_map(|conversion| &conversion.layout.blocks);
+        let beyond = |conversion: &MaterialConversion| {
+            let last = conversion.layout.level_count() - 1;
+            conversion.resolutions.faces.iter().filter(|&&exponent| usize::from(exponent) < last).count()
+        };
+        Self {
+            cut_edges: channels().flat_map(|channel| &channel.cuts.edges).filter(|cut| **cut).count(),
+            merged: blocks().filter(|block| matches!(block.kind, BlockKind::Merged(_))).count(),
+            lone: blocks().filter(|block| block.kind.is_lone()).count(),
+            beyond: materials.iter().map(beyond).sum(),
+            normals: materials.iter().filter(|conversion| conversion.frames.is_some()).count(),
+            alpha: channels().filter(|channel| channel.is_alpha_weighted).count(),
+            masks: channels().filter(|channel| channel.keeps_coverage).count(),
+            levels: channels().map(|channel| channel.sample_counts.len()).sum(),
+            solved: channels().map(|channel| channel.solver.len()).sum(),
+            stored: channels().map(|channel| channel.stored.len()).sum(),
+        }
+    }
+
+    /// What was done about texels out of range.
+    fn solve(&self, solver: Solver) -> String {
+        let Self { solved, levels, .. } = self;
+        let found = format!("{solved} of {levels} channel levels had texels out of range");
+        match solver {
+            Solver::Global | Solver::Exact => format!("{found} and were solved"),
+            Solver::Local => format!(
+                "{found} and were solved face by face: beyond vertex colors faces store shared samples \
+                 differently, which shows as seams"
+            ),
+            Solver::Clamp => format!("{found}; clamped, not solved"),
+        }
+    }
+}
+
 /// What was done and what the asset did not call for.
 fn effects(materials: &[MaterialConversion], options: &Options) -> Vec<Effect> {
-    let channels = || materials.iter().flat_map(|conversion| &conversion.channels);
     let effect = |name: &str, run: Option<String>, reason: &str| Effect {
         name: name.to_owned(),
         state: if run.is_some() { EffectState::Run } else { EffectState::Skipped },
         detail: run.unwrap_or_else(|| reason.to_owned()),
     };
     let some = |count: usize, text: String| (count > 0).then_some(text);
-    let cut_edges: usize =
-        channels().map(|channel| channel.cuts.edges.iter().filter(|cut| **cut).count()).sum();
-    let kinds = || materials.iter().flat_map(|conversion| &conversion.layout.blocks).map(|block| block.kind);
-    let merged = kinds().filter(|kind| matches!(kind, BlockKind::Merged(_))).count();
-    let lone = kinds().filter(|kind| matches!(kind, BlockKind::Lone(_) | BlockKind::Twins(_))).count();
-    let beyond: usize = materials
-        .iter()
-        .map(|conversion| {
-            let last = conversion.layout.level_count() - 1;
-            conversion.resolutions.faces.iter().filter(|&&exponent| usize::from(exponent) < last).count()
-        })
-        .sum();
-    let normals = materials.iter().filter(|conversion| conversion.frames.is_some()).count();
-    let alpha = channels().filter(|channel| channel.is_alpha_weighted).count();
-    let masks = channels().filter(|channel| channel.keeps_coverage).count();
-    let solved: usize = channels().map(|channel| channel.solver.len()).sum();
-    let stored: usize = channels().map(|channel| channel.stored.len()).sum();
-    let level_total: usize = channels().map(|channel| channel.sample_counts.len()).sum();
-    let solve = match options.solver {
-        Solver::Global | Solver::Exact => {
-            format!("{solved} of {level_total} channel levels had texels out of range and were solved")
-        }
-        Solver::Local => format!(
-            "{solved} of {level_total} channel levels had texels out of range and were solved face by face: \
-             beyond vertex colors faces store shared samples differently, which shows as seams"
-        ),
-        Solver::Clamp => {
-            format!("{solved} of {level_total} channel levels had texels out of range; clamped, not solved")
-        }
-    };
+    let counts = Counts::new(materials);
+    let solve = counts.solve(options.solver);
+    let Counts { cut_edges, merged, lone, beyond, normals, alpha, masks, levels, solved, stored } = counts;
     vec![
         effect(
             "cuts",
@@ -233,7 +258,7 @@ fn effects(materials: &[MaterialConversion], options: &Options) -> Vec<Effect> {
             some(
                 stored,
                 format!(
-                    "{stored} of {level_total} channel levels are stored in 16 bits with a range of their own"
+                    "{stored} of {levels} channel levels are stored in 16 bits with a range of their own"
                 ),
             ),
             match options.range {

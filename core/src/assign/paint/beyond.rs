@@ -11,11 +11,10 @@ use super::cell::Cell;
 use crate::assign::{LevelChannel, Rounding, corner_point};
 
 impl Painter<'_> {
-    /// Writes the texels around a block, or around one of two lone triangles.
-    pub(super) fn extrapolate(&self, band: &mut Band<'_>, block: &Block, faces: &[Option<u32>]) {
+    /// Writes the texels around a cell.
+    pub(super) fn extrapolate(&self, band: &mut Band<'_>, block: &Block, faces: [Option<u32>; 2]) {
         let corners = self.corner_values(faces);
-        let first_face = faces[0].unwrap_or(0) as usize;
-        let cell = BeyondCell::new(self.channel, block, first_face);
+        let cell = BeyondCell::new(self.channel, block, faces);
         // One texel more than the bilinear footprint: a corner that stands exactly on its far side may be
         // rounded across.
         let mut values = [[Vec4::ZERO; 3]; 3];
@@ -36,24 +35,18 @@ impl Painter<'_> {
     }
 
     /// Stored values at the corners of the block's square, where the faces have them.
-    fn corner_values(&self, faces: &[Option<u32>]) -> [[Option<DVec4>; 2]; 2] {
-        let mut values = [[None; 2]; 2];
+    fn corner_values(&self, faces: [Option<u32>; 2]) -> [[Option<DVec4>; 2]; 2] {
         let numbering = self.channel.numbering;
-        for face in faces.iter().flatten().map(|&face| face as usize) {
-            let canvas_face = &numbering.canvas.faces[face];
-            for corner in 0..canvas_face.count() {
-                let [x, y] = self.channel.layout.placements[face].corners[corner].map(usize::from);
-                let sample = numbering.topology.fan_of[face][corner] as usize;
-                let (s, t) = corner_point(canvas_face.is_triangle(), corner);
-                let value = self.values.corner(face, corner, sample);
-                values[y][x] = Some(self.channel.stored(face, value, s, t));
-            }
-        }
-        values
+        let value = |(face, corner): (usize, usize)| {
+            let sample = numbering.topology.fan_of[face][corner] as usize;
+            let (s, t) = corner_point(numbering.canvas.faces[face].is_triangle(), corner);
+            self.channel.stored(face, self.values.corner(face, corner, sample), s, t)
+        };
+        self.channel.square(faces).map(|row| row.map(|corner| corner.map(value)))
     }
 }
 
-/// The texels around a block (or one of two lone triangles) beyond vertex colors.
+/// The texels around a cell beyond vertex colors.
 pub(in crate::assign) struct BeyondCell {
     pub first: [u32; 2],
     /// 2, or 3 where the far side stands exactly on a texel center.
@@ -63,9 +56,9 @@ pub(in crate::assign) struct BeyondCell {
 }
 
 impl BeyondCell {
-    pub fn new(channel: &LevelChannel<'_>, block: &Block, face: usize) -> Self {
+    pub fn new(channel: &LevelChannel<'_>, block: &Block, faces: [Option<u32>; 2]) -> Self {
         let level = channel.numbering.level;
-        let shift = channel.layout.placements[face].shift;
+        let shift = faces[0].map_or(0, |face| channel.layout.placements[face as usize].shift);
         let corner = block.corner(level) + DVec2::new(f64::from(shift), 0.0);
         let side = f64::from(block.segments) / (level as f64).exp2();
         let first = corner.floor();

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::image::{Image, LevelRange, Pixels};
-use crate::layout::{Block, BlockKind};
+use crate::layout::Block;
 use crate::watch::{self, Watch};
 
 use super::codec::LevelCodec;
@@ -117,19 +117,11 @@ impl Painter<'_> {
     }
 
     fn paint_block(&self, band: &mut Band<'_>, block: &Block, scratch: &mut Scratch) {
-        let (first, second) = block.kind.faces();
-        let is_beyond = self.is_beyond(block);
-        let is_lone = matches!(block.kind, BlockKind::Lone(_) | BlockKind::Twins(_));
-        if is_beyond && !is_lone {
-            self.extrapolate(band, block, &[Some(first), second]);
-            return;
-        }
-        for face in std::iter::once(first).chain(second) {
-            if is_beyond {
-                self.extrapolate(band, block, &[Some(face)]);
-            } else {
-                self.copy(band, block, face as usize, scratch);
-            }
+        if self.is_beyond(block) {
+            block.kind.cells().for_each(|cell| self.extrapolate(band, block, cell));
+        } else {
+            let faces = block.kind.cells().flatten().flatten();
+            faces.for_each(|face| self.copy(band, block, face as usize, scratch));
         }
     }
 }

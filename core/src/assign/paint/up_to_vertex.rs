@@ -4,7 +4,7 @@
 use glam::Vec4;
 
 use crate::colors::edge_point;
-use crate::layout::{Block, BlockKind};
+use crate::layout::Block;
 
 use super::Painter;
 use super::band::Band;
@@ -66,7 +66,7 @@ impl Painter<'_> {
             let sample = numbering.topology.fan_of[face][edge] as usize;
             self.write(band, &grid, line, &samples[sample..=sample], &mut scratch.stored);
         }
-        if matches!(block.kind, BlockKind::Lone(_) | BlockKind::Twins(_)) {
+        if block.kind.is_lone() {
             self.border(band, &grid);
         }
     }
