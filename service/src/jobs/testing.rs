@@ -100,7 +100,9 @@ impl Scratch {
         let mut found = Vec::new();
         let mut folders = vec![self.0.join("jobs")];
         while let Some(folder) = folders.pop() {
-            for entry in fs::read_dir(folder).unwrap() {
+            // A job may be done with a folder in the meantime.
+            let Ok(entries) = fs::read_dir(folder) else { continue };
+            for entry in entries {
                 let path = entry.unwrap().path();
                 found.push(path.strip_prefix(self.0.join("jobs")).unwrap().display().to_string());
                 if path.is_dir() {
