@@ -30,12 +30,10 @@ pub fn read_back(
     };
     let numbering = channel.numbering;
     let scale = (-(numbering.level as f32)).exp2();
-    for (face, placement) in channel.layout.placements.iter().enumerate() {
-        let block = &channel.layout.blocks[placement.block as usize];
-        if !block.is_beyond(numbering.level) {
+    for (face, canvas_face) in numbering.canvas.faces.iter().enumerate() {
+        if !channel.layout.block(face).is_beyond(numbering.level) {
             continue;
         }
-        let canvas_face = &numbering.canvas.faces[face];
         for corner in 0..canvas_face.count() {
             let sample = numbering.topology.fan_of[face][corner] as usize;
             let (s, t) = corner_point(canvas_face.is_triangle(), corner);
@@ -52,7 +50,7 @@ fn of_versions(channel: &LevelChannel<'_>, values: &LevelValues, change: impl Fn
     let numbering = channel.numbering;
     let mut changes = vec![0.0f64; values.samples.len()];
     for (face, canvas_face) in numbering.canvas.faces.iter().enumerate() {
-        if channel.layout.blocks[channel.layout.placements[face].block as usize].is_beyond(numbering.level) {
+        if channel.layout.block(face).is_beyond(numbering.level) {
             continue;
         }
         let n = numbering.segments(face);

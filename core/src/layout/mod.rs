@@ -111,7 +111,8 @@ impl Layout {
         self.row_starts.iter().zip(ends).map(|(&start, end)| &self.blocks[start..end])
     }
 
-    fn block(&self, face: usize) -> &Block {
+    /// The block that a face has a part in.
+    pub fn block(&self, face: usize) -> &Block {
         &self.blocks[self.placements[face].block as usize]
     }
 

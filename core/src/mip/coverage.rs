@@ -27,6 +27,7 @@ pub fn coverage(
 ) -> Result<f32> {
     let areas = areas_by_alpha(numbering, values, watch)?;
     let total: f64 = areas.iter().sum();
+    // Above 1 nothing passes, whatever alpha is.
     let passing: f64 = if cutoff > 1.0 { 0.0 } else { areas[bin(cutoff)..].iter().sum() };
     Ok(if total > 0.0 { (passing / total) as f32 } else { 0.0 })
 }
@@ -39,8 +40,7 @@ pub fn keep_coverage(
     (cutoff, wanted): (f32, f32),
     watch: &dyn Watch,
 ) -> Result<()> {
-    // Above 1 nothing passes, whatever alpha is.
-    if !(0.0..=1.0).contains(&cutoff) || cutoff == 0.0 || wanted <= 0.0 || wanted >= 1.0 {
+    if cutoff <= 0.0 || wanted <= 0.0 || wanted >= 1.0 {
         return Ok(());
     }
     let areas = areas_by_alpha(numbering, values, watch)?;

@@ -165,7 +165,7 @@ fn frames_of(
     channels: &[SourceChannel<'_>],
 ) -> NormalFrames {
     let scale = channels.iter().find_map(SourceChannel::normal_scale);
-    let partner = |face: usize| match layout.blocks[layout.placements[face].block as usize].kind {
+    let partner = |face: usize| match layout.block(face).kind {
         BlockKind::Merged([first, second]) if first as usize == face => Some(second as usize),
         BlockKind::Merged([first, _]) => Some(first as usize),
         _ => None,

@@ -127,6 +127,9 @@ impl<'a> State<'a> {
     /// Where an island of the interior method comes again, everything about its variables comes in: a step
     /// costs hardly more, and another round costs all of them.
     fn admit_around_costly(&mut self, moved: &[u32], frontier: &mut Vec<u32>) {
+        if !moved.iter().any(|&variable| self.is_costly[variable as usize]) {
+            return;
+        }
         let mut stale_roots = vec![false; self.is_stale.len()];
         self.mark_stale(&mut stale_roots);
         for &variable in moved {
@@ -248,14 +251,12 @@ impl<'a> State<'a> {
         let mut island = Island::new(variables, rules.is_affine());
         for &(_, row) in keyed {
             let place = |(variable, weight): (u32, f64)| (self.places[variable as usize], weight);
+            let range = self.problem.range(row);
             match bounded(row) {
-                Some(variable) => {
-                    let bounds = self.problem.bounds.unwrap_or([0.0, 1.0]);
-                    island.push(std::iter::once(place((variable, 1.0))), 0.0, bounds);
-                }
+                Some(variable) => island.push(std::iter::once(place((variable, 1.0))), 0.0, range),
                 None => {
                     let constant = f64::from(rules.constant(row));
-                    island.push(terms(row).iter().copied().map(place), constant, [0.0, 1.0]);
+                    island.push(terms(row).iter().copied().map(place), constant, range);
                 }
             }
         }

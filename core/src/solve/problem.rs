@@ -59,15 +59,23 @@ impl Problem<'_> {
         self.rules.len() + if self.bounds.is_some() { self.wanted.len() } else { 0 }
     }
 
-    /// How far a row is out of range, at least 0.
-    pub fn violation(&self, row: usize, values: &[f64]) -> f64 {
-        match (row.checked_sub(self.rules.len()), self.bounds) {
-            (Some(variable), Some([low, high])) => {
-                (low - values[variable]).max(values[variable] - high).max(0.0)
-            }
-            (Some(_), None) => 0.0,
-            (None, _) => violation(self.rules.value(row, values)),
+    /// What a row has to stay in.
+    pub fn range(&self, row: usize) -> [f64; 2] {
+        if row < self.rules.len() {
+            [0.0, 1.0]
+        } else {
+            self.bounds.unwrap_or([f64::NEG_INFINITY, f64::INFINITY])
         }
+    }
+
+    /// How far a row is out of its range, at least 0.
+    pub fn violation(&self, row: usize, values: &[f64]) -> f64 {
+        let [low, high] = self.range(row);
+        let value = match row.checked_sub(self.rules.len()) {
+            Some(variable) => values[variable],
+            None => self.rules.value(row, values),
+        };
+        (low - value).max(value - high).max(0.0)
     }
 
     /// Largest violation over all rows, and the number of those beyond [`TOLERANCE`].

@@ -47,7 +47,7 @@ pub fn need_of_range(
     if range == Range::Unorm8 || !channel.layout.blocks.iter().any(|block| painter.is_beyond(block)) {
         return Ok(Need::Plain);
     }
-    let beyond = painter.extent(true, watch)?;
+    let beyond = painter.extent(|block| painter.is_beyond(block), watch)?;
     if beyond.outside_count as f64 <= OUTSIDE_SHARE * channel.numbering.sample_count() as f64 {
         return Ok(Need::Plain);
     }
@@ -68,8 +68,7 @@ pub fn range_of(
     if range == Range::Float16 {
         return Ok(LevelRange::Float16);
     }
-    let painter = plain(channel, values);
-    let all = painter.extent(true, watch)?.join(painter.extent(false, watch)?);
+    let all = plain(channel, values).extent(|_| true, watch)?;
     Ok(LevelRange::spanning(all.low, all.high))
 }
 
@@ -79,8 +78,8 @@ fn plain<'a>(channel: &'a LevelChannel<'a>, values: &'a LevelValues) -> Painter<
 }
 
 impl Painter<'_> {
-    /// What all texels beyond vertex colors are to hold, or those up to there.
-    fn extent(&self, is_beyond: bool, watch: &dyn Watch) -> Result<Extent> {
+    /// What the texels of some blocks are to hold.
+    fn extent(&self, counts: impl Fn(&Block) -> bool + Sync, watch: &dyn Watch) -> Result<Extent> {
         let layout = self.channel.layout;
         let width = layout.sizes[self.channel.numbering.level][0] as usize;
         let rows: Vec<_> = layout.rows().collect();
@@ -89,7 +88,7 @@ impl Painter<'_> {
             let mut extent = Extent::NOTHING;
             let first_row = blocks[0].corner(self.channel.numbering.level).y as usize;
             let mut band = Band { sheet: Sheet::Extent(&mut extent), codec: self.codec, width, first_row };
-            for block in blocks.iter().filter(|block| self.is_beyond(block) == is_beyond) {
+            for block in blocks.iter().filter(|block| counts(block)) {
                 self.paint_block(&mut band, block, scratch);
             }
             Ok(extent)
