@@ -1,16 +1,13 @@
-//! Where every face stands in the level images: blocks, their pairing and packing, 4D coordinates.
+//! Where every face stands in the level images: blocks, their packing, 4D coordinates.
 //!
-//! A block is a square of `n + 1` texels for a quad or a merged pair of triangles, or a rectangle of
-//! `n + 4` by `n + 1` for two lone triangles, the second turned by 180° and shifted by three texels: each
+//! A block is a square of `n + 1` texels for a quad, or a rectangle of `n + 4` by `n + 1` for two lone triangles, the second turned by 180° and shifted by three texels: each
 //! of the two needs a line of border texels of its own (MCT 3.1), which the increments of MCT Algorithm 1
 //! leave no room for.
 
-mod pairing;
 mod rows;
 #[cfg(test)]
 mod tests;
 
-use pairing::pair_triangles;
 pub use rows::{LayoutRequest, arrange};
 
 use glam::{DVec2, Vec2};
@@ -25,8 +22,6 @@ pub const TWIN_SHIFT: u32 = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlockKind {
     Quad(u32),
-    /// Two triangles of one exponent that share the diagonal from (n, 0) to (0, n).
-    Merged([u32; 2]),
     Lone(u32),
     /// Two unrelated triangles of one exponent.
     Twins([u32; 2]),
@@ -68,33 +63,30 @@ pub struct Layout {
 }
 
 impl BlockKind {
-    /// Its faces, the second missing where there is one.
-    pub fn faces(self) -> (u32, Option<u32>) {
+    /// The first of its faces, by which blocks have an order.
+    fn first(self) -> u32 {
         match self {
-            BlockKind::Quad(face) | BlockKind::Lone(face) => (face, None),
-            BlockKind::Merged([first, second]) | BlockKind::Twins([first, second]) => (first, Some(second)),
+            BlockKind::Quad(face) | BlockKind::Lone(face) | BlockKind::Twins([face, _]) => face,
         }
     }
 
-    /// Whether its triangles have nothing to do with each other.
-    pub fn is_lone(self) -> bool {
-        matches!(self, BlockKind::Lone(_) | BlockKind::Twins(_))
+    pub fn faces(self) -> impl Iterator<Item = usize> {
+        let (first, second) = match self {
+            BlockKind::Quad(face) | BlockKind::Lone(face) => (face, None),
+            BlockKind::Twins([first, second]) => (first, Some(second)),
+        };
+        std::iter::once(first).chain(second).map(|face| face as usize)
     }
 
-    /// What is one small place between texels beyond vertex colors: all of a quad or pair, each lone triangle by
-    /// itself. The first face is always there.
-    pub fn cells(self) -> impl Iterator<Item = [Option<u32>; 2]> {
-        let (first, second) = self.faces();
-        let (one, other) =
-            if self.is_lone() { ([Some(first), None], second) } else { ([Some(first), second], None) };
-        std::iter::once(one).chain(other.map(|face| [Some(face), None]))
+    /// Whether it holds triangles that have nothing to do with each other.
+    pub fn is_lone(self) -> bool {
+        matches!(self, BlockKind::Lone(_) | BlockKind::Twins(_))
     }
 
     /// Extra columns beyond `n + 1`.
     fn extra_columns(self) -> u32 {
         match self {
-            BlockKind::Quad(_) | BlockKind::Merged(_) => 0,
-            BlockKind::Lone(_) => 0,
+            BlockKind::Quad(_) | BlockKind::Lone(_) => 0,
             BlockKind::Twins(_) => TWIN_SHIFT,
         }
     }

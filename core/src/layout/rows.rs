@@ -4,7 +4,7 @@ use crate::colors::Resolutions;
 use crate::error::{Error, ErrorCode, Result};
 use crate::mesh::CanvasMesh;
 
-use super::{Block, BlockKind, Layout, Placement, SEPARATION, TWIN_SHIFT, pair_triangles};
+use super::{Block, BlockKind, Layout, Placement, SEPARATION, TWIN_SHIFT};
 
 /// Larger textures than any device takes, and samples are numbered in 32 bits, three to a normal.
 const SIDE_MAX: u32 = 32_768;
@@ -13,8 +13,6 @@ const SIDE_MAX: u32 = 32_768;
 pub struct LayoutRequest<'a> {
     pub canvas: &'a CanvasMesh,
     pub resolutions: &'a Resolutions,
-    /// By canvas edge: whether its two triangles may become one quad.
-    pub mergeable: &'a [bool],
     /// By face: the edge that a lone triangle puts on its diagonal.
     pub diagonals: &'a [u8],
     pub level_count: usize,
@@ -30,8 +28,7 @@ pub fn arrange(request: &LayoutRequest<'_>) -> Result<Layout> {
     let mut blocks = blocks(request);
     // Large to small; within a size the wide ones first, then by face, so that the order is total.
     blocks.sort_by_key(|block| {
-        let (first, _) = block.kind.faces();
-        (std::cmp::Reverse((block.segments, block.kind.extra_columns())), first)
+        (std::cmp::Reverse((block.segments, block.kind.extra_columns())), block.kind.first())
     });
     let side_limit = request.side_limit.min(SIDE_MAX);
     let size_at = |blocks: &[Block], level: usize| {
@@ -65,20 +62,18 @@ fn check_size(size: [u32; 2], limit: u32) -> Result<()> {
 
 fn blocks(request: &LayoutRequest<'_>) -> Vec<Block> {
     let LayoutRequest { canvas, resolutions, .. } = request;
-    let partners = pair_triangles(canvas, resolutions, request.mergeable);
     let block = |kind, exponent: u8| Block { kind, segments: 1 << exponent, origin: [0; 2], offset: [0; 2] };
     let mut blocks = Vec::new();
     let mut waiting: [Option<u32>; 32] = [None; 32];
     for (face, canvas_face) in (0u32..).zip(&canvas.faces) {
         let exponent = resolutions.faces[face as usize];
-        match partners[face as usize] {
-            _ if !canvas_face.is_triangle() => blocks.push(block(BlockKind::Quad(face), exponent)),
-            Some(other) if face < other => blocks.push(block(BlockKind::Merged([face, other]), exponent)),
-            Some(_) => {}
-            None => match waiting[usize::from(exponent)].take() {
-                Some(first) => blocks.push(block(BlockKind::Twins([first, face]), exponent)),
-                None => waiting[usize::from(exponent)] = Some(face),
-            },
+        if !canvas_face.is_triangle() {
+            blocks.push(block(BlockKind::Quad(face), exponent));
+            continue;
+        }
+        match waiting[usize::from(exponent)].take() {
+            Some(first) => blocks.push(block(BlockKind::Twins([first, face]), exponent)),
+            None => waiting[usize::from(exponent)] = Some(face),
         }
     }
     let left = (0u8..).zip(waiting).filter_map(|(exponent, face)| face.map(|face| (exponent, face)));
@@ -136,11 +131,6 @@ fn placements(request: &LayoutRequest<'_>, blocks: &[Block]) -> Vec<Placement> {
                 put(first, half(request.diagonals[first as usize]), 0);
                 put(second, turned(half(request.diagonals[second as usize])), TWIN_SHIFT);
             }
-            BlockKind::Merged([first, second]) => {
-                let (diagonal, other) = merged(request, first, second);
-                put(first, diagonal, 0);
-                put(second, other, 0);
-            }
         }
     }
     placements
@@ -157,23 +147,4 @@ fn half(diagonal: u8) -> [[u8; 2]; 4] {
 
 fn turned(corners: [[u8; 2]; 4]) -> [[u8; 2]; 4] {
     corners.map(|[x, y]| [1 - x, 1 - y])
-}
-
-/// Two triangles on the two halves: the second's corners at the shared vertices stand where the first's do.
-fn merged(request: &LayoutRequest<'_>, first: u32, second: u32) -> ([[u8; 2]; 4], [[u8; 2]; 4]) {
-    let canvas = request.canvas;
-    let (a, b) = (&canvas.faces[first as usize], &canvas.faces[second as usize]);
-    let shared = (0..3).flat_map(|k| (0..3).map(move |m| (k, m)));
-    let joins =
-        |edge: u32| request.mergeable[edge as usize] && canvas.sides(&canvas.edges[edge as usize]).len() == 2;
-    let found = shared.into_iter().find(|&(k, m)| a.edges[k] == b.edges[m] && joins(a.edges[k]));
-    let (k, m) = found.unwrap_or((0, 0)); // the pairing found this edge
-    let corners = half(k as u8);
-    let mut other = [[1, 1]; 4];
-    // The same direction on both sides means that the two faces wind against each other.
-    let same_way = a.is_reversed(k) == b.is_reversed(m);
-    let ends = [corners[k], corners[(k + 1) % 3]];
-    other[m] = ends[usize::from(!same_way)];
-    other[(m + 1) % 3] = ends[usize::from(same_way)];
-    (corners, other)
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::assign::NormalFrames;
 use crate::colors::LevelNumbering;
-use crate::mesh::{Side, surface_point};
+use crate::mesh::{Side, drawn_corners, surface_point};
 
 /// `N` to `D`: takes the mesh's own normals from samples.
 pub fn take_bare(numbering: &LevelNumbering<'_>, frames: &NormalFrames, normals: &mut [Vec4]) {
@@ -85,7 +85,8 @@ fn inside(
     let scale = 1.0 / segments as f32;
     let corners = frames.corners[face].map(|frame| frame.normal.extend(0.0));
     let at = |i: u32, j: u32| {
-        let (of, weights) = surface_point(canvas_face.count(), i as f32 * scale, j as f32 * scale);
+        let (triangle, weights) = surface_point(canvas_face.count(), i as f32 * scale, j as f32 * scale);
+        let of = drawn_corners(triangle);
         corners[of[0]] * weights.x + corners[of[1]] * weights.y + corners[of[2]] * weights.z
     };
     let mut values = values.iter_mut();

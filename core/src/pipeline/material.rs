@@ -6,10 +6,10 @@ use crate::asset::{AlphaMode, Asset};
 use crate::assign::{NormalFrames, choose_frames};
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions, level_count};
 use crate::error::Result;
-use crate::layout::{BlockKind, Layout, LayoutRequest, arrange};
-use crate::mesh::{CanvasEdge, CanvasFace, CanvasMesh, Polygons, Side, build};
+use crate::layout::{Layout, LayoutRequest, arrange};
+use crate::mesh::{CanvasEdge, CanvasFace, CanvasMesh, Drawn, Polygons, Side, build, merge};
 use crate::read::Limits;
-use crate::resample::{find_cuts, resolutions, sample};
+use crate::resample::{find_cuts, pair_triangles, resolutions, sample};
 use crate::source::tangents::corner_normals;
 use crate::source::{SourceChannel, SurfaceSource, channels};
 use crate::watch::{Stage, Watch};
@@ -47,25 +47,22 @@ pub fn convert_material(
         return Ok(None);
     }
     watch.stage(Stage::Resample);
-    let sources: Vec<SurfaceSource<'_>> =
-        source_channels.iter().map(|channel| SurfaceSource::new(channel, asset, &canvas)).collect();
+    let Paired { canvas, cuts } = pair(asset, canvas, &source_channels, options, watch)?;
+    let sources = sources_on(asset, &canvas, &source_channels);
     let resolutions = resolutions(options.resolution, asset, &canvas, &sources);
-    let cuts: Vec<Cuts> = (sources.iter())
-        .map(|source| find_cuts(source, &canvas, options.cut_codes, watch))
-        .collect::<Result<_>>()?;
     progress.advance(0.2);
     watch.stage(Stage::Layout);
     let normals = source_channels.iter().any(SourceChannel::is_normal).then(|| normals_of(asset, &canvas));
     let request = LayoutRequest {
         canvas: &canvas,
         resolutions: &resolutions,
-        mergeable: &mergeable(&canvas, &cuts, normals.as_deref()),
         diagonals: &diagonals(&canvas, &cuts),
         level_count: level_count(&canvas, &resolutions),
         side_limit: limits.texture_side,
     };
     let layout = arrange(&request)?;
-    let frames = normals.map(|normals| frames_of(&canvas, &normals, &layout, &source_channels));
+    let normal_scale = source_channels.iter().find_map(SourceChannel::normal_scale).unwrap_or(1.0);
+    let frames = normals.map(|normals| choose_frames(&canvas, &normals, normal_scale));
     let mut finished = Vec::with_capacity(sources.len());
     let mut rooms = Rooms::default();
     for (source, cuts) in sources.iter().zip(cuts) {
@@ -119,10 +116,51 @@ fn canvas_of(asset: &Asset, material: usize) -> CanvasMesh {
     }))
 }
 
+fn sources_on<'a>(
+    asset: &'a Asset,
+    canvas: &CanvasMesh,
+    channels: &'a [SourceChannel<'a>],
+) -> Vec<SurfaceSource<'a>> {
+    channels.iter().map(|channel| SurfaceSource::new(channel, asset, canvas)).collect()
+}
+
+/// A canvas with triangles in pairs, and what its channels do not join.
+struct Paired {
+    canvas: CanvasMesh,
+    cuts: Vec<Cuts>,
+}
+
+/// Makes quads of triangles where that costs nothing and saves texels.
+fn pair(
+    asset: &Asset,
+    canvas: CanvasMesh,
+    channels: &[SourceChannel<'_>],
+    options: &Options,
+    watch: &dyn Watch,
+) -> Result<Paired> {
+    let sources = sources_on(asset, &canvas, channels);
+    let cuts: Vec<Cuts> = (sources.iter())
+        .map(|source| find_cuts(source, &canvas, options.cut_codes, watch))
+        .collect::<Result<_>>()?;
+    let normals = channels.iter().any(SourceChannel::is_normal).then(|| normals_of(asset, &canvas));
+    let mergeable = mergeable(&canvas, &cuts, normals.as_deref());
+    let partner = pair_triangles(&canvas, &sources, &mergeable);
+    let merged = merge(&canvas, &partner);
+    let kept = |cuts: &Cuts| Cuts { edges: merged.old_edges.iter().map(|&edge| cuts.edges[edge as usize]).collect() };
+    let cuts = cuts.iter().map(kept).collect();
+    Ok(Paired { canvas: merged.canvas, cuts })
+}
+
+/// By face and corner.
 fn normals_of(asset: &Asset, canvas: &CanvasMesh) -> Vec<[Vec3; 4]> {
     let of_face = |face: &CanvasFace| {
-        let primitive = &asset.meshes[face.mesh as usize].primitives[face.primitive as usize];
-        corner_normals(primitive, &primitive.faces[face.face as usize])
+        let of_drawn = |drawn: &Drawn| {
+            let primitive = &asset.meshes[face.mesh as usize].primitives[drawn.primitive as usize];
+            let normals = corner_normals(primitive, &primitive.faces[drawn.face as usize]);
+            drawn.corners.map(|corner| normals[usize::from(corner)])
+        };
+        let [[a, b, c], [_, _, d]] = face.drawn.each_ref().map(of_drawn);
+        [a, b, c, d]
     };
     canvas.faces.iter().map(of_face).collect()
 }
@@ -156,19 +194,4 @@ fn diagonals(canvas: &CanvasMesh, cuts: &[Cuts]) -> Vec<u8> {
     let least =
         |face: &CanvasFace| (0..face.count).min_by_key(|&k| burden(face.edges[usize::from(k)])).unwrap_or(0);
     canvas.faces.iter().map(least).collect()
-}
-
-fn frames_of(
-    canvas: &CanvasMesh,
-    normals: &[[Vec3; 4]],
-    layout: &Layout,
-    channels: &[SourceChannel<'_>],
-) -> NormalFrames {
-    let scale = channels.iter().find_map(SourceChannel::normal_scale);
-    let partner = |face: usize| match layout.block(face).kind {
-        BlockKind::Merged([first, second]) if first as usize == face => Some(second as usize),
-        BlockKind::Merged([first, _]) => Some(first as usize),
-        _ => None,
-    };
-    choose_frames(canvas, normals, partner, scale.unwrap_or(1.0))
 }

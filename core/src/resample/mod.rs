@@ -7,6 +7,7 @@ mod cuts;
 mod fitted;
 mod gather;
 mod mass;
+mod pairing;
 mod quadrature;
 mod resolution;
 mod samples;
@@ -16,5 +17,6 @@ mod tests;
 
 pub use cuts::find_cuts;
 pub use fitted::Fit;
+pub use pairing::pair_triangles;
 pub use resolution::{Resolution, resolutions};
 pub use samples::{Samples, Sampling, sample};

@@ -1,6 +1,6 @@
 //! Resolution exponents (method: matched area, a fixed value, or texels per world unit).
 
-use glam::{Mat3A, Vec2};
+use glam::Mat3A;
 
 use crate::asset::{Asset, Face};
 use crate::colors::Resolutions;
@@ -33,7 +33,10 @@ pub fn resolutions(
     let faces = canvas.faces.iter().enumerate().map(|(number, face)| {
         let cells = match rule {
             Resolution::Fixed(exponent) => return exponent,
-            Resolution::Area(factor) => factor * source_area_texels(sources, number, face),
+            Resolution::Area(factor) => {
+                let areas = sources.iter().map(|source| source.area_texels(canvas, number));
+                factor * areas.fold(0.0, f32::max)
+            }
             Resolution::Density(texels) => {
                 texels * texels * world_area(canvas, face, &places[face.mesh as usize])
             }
@@ -42,21 +45,6 @@ pub fn resolutions(
         segments.max(1.0).log2().round().clamp(0.0, EXPONENT_MAX) as u8
     });
     Resolutions { faces: faces.collect() }
-}
-
-/// Area of the face in texels of the source channel that has most of them.
-fn source_area_texels(sources: &[SurfaceSource<'_>], number: usize, face: &CanvasFace) -> f32 {
-    let shape = Face { corners: face.vertices, count: face.count };
-    let area = |source: &SurfaceSource<'_>| {
-        let places = source.places(number);
-        let doubled: f32 = shape
-            .triangles()
-            .iter()
-            .map(|&[a, b, c]| Vec2::perp_dot(places[b] - places[a], places[c] - places[a]).abs())
-            .sum();
-        doubled * 0.5
-    };
-    sources.iter().map(area).fold(0.0, f32::max)
 }
 
 /// Instances of one mesh that are looked at: those of the largest matrices.

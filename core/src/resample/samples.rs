@@ -139,10 +139,9 @@ fn filtered(
 /// Strata along a side of a cell: one for each source texel, by area.
 pub fn strata_of(source: &SurfaceSource<'_>, numbering: &LevelNumbering<'_>, face: usize) -> u32 {
     let Shape { is_triangle, segments } = Shape::of(numbering, face);
-    let [a, b, c, d] = *source.places(face);
     // Twice the area of a triangle, that of a quad: what `segments²` cells share.
-    let area = if is_triangle { (b - a).perp_dot(c - a) } else { 0.5 * (c - a).perp_dot(d - b) };
-    let strata = (area.abs().sqrt() / segments as f32).round().clamp(1.0, STRATA_MAX) as u32;
+    let area = source.area_texels(numbering.canvas, face) * if is_triangle { 2.0 } else { 1.0 };
+    let strata = (area.sqrt() / segments as f32).round().clamp(1.0, STRATA_MAX) as u32;
     strata.min((STRATA_PER_SIDE_MAX / segments).max(1))
 }
 

@@ -38,7 +38,8 @@ struct Affine<T> {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Piece {
-    corners: [usize; 3],
+    /// Which drawn triangle.
+    triangle: usize,
     place: Affine<Vec2>,
     normal: Affine<Vec3>,
     tangent: Affine<Vec3>,
@@ -53,13 +54,12 @@ impl FaceReader {
         self.segments = segments as f32;
         self.is_tiled = false;
         let scale = 1.0 / self.segments;
-        let numbers = if self.is_triangle { [[0, 1, 2]; 2] } else { [[0, 1, 2], [0, 2, 3]] };
-        for (number, (piece, corners)) in self.pieces.iter_mut().zip(numbers).enumerate() {
-            let kind = if self.is_triangle { 2 } else { number };
-            let [a, b, c] = corners.map(|corner| source.places(face)[corner]);
-            *piece = Piece { corners, place: Affine { at: a, along: steps(kind, a, b, c, scale) }, ..*piece };
+        for (triangle, piece) in self.pieces.iter_mut().enumerate() {
+            let kind = if self.is_triangle { 2 } else { triangle };
+            let [a, b, c] = source.places(face)[triangle];
+            *piece = Piece { triangle, place: Affine { at: a, along: steps(kind, a, b, c, scale) }, ..*piece };
             if source.channel.is_normal() {
-                let [a, b, c] = corners.map(|corner| source.frames[face][corner]);
+                let [a, b, c] = source.frames[face][triangle];
                 let normals = steps(kind, a.normal, b.normal, c.normal, scale);
                 let [ta, tb, tc] = [a, b, c].map(|frame| frame.tangent.xyz());
                 piece.normal = Affine { at: a.normal, along: normals };
@@ -170,12 +170,12 @@ impl FaceReader {
         (stored, scale): (Vec4, f32),
     ) -> Vec4 {
         let [s, t] = [x, y].map(|v| v / self.segments);
-        let weights = match (self.is_triangle, piece.corners) {
+        let weights = match (self.is_triangle, piece.triangle) {
             (true, _) => Vec3::new(1.0 - s - t, s, t),
-            (false, [0, 1, 2]) => Vec3::new(1.0 - s, s - t, t),
+            (false, 0) => Vec3::new(1.0 - s, s - t, t),
             _ => Vec3::new(1.0 - t, s, t - s),
         };
-        let frame = Frame::blend(piece.corners.map(|corner| &source.frames[self.face][corner]), weights);
+        let frame = Frame::blend(source.frames[self.face][piece.triangle].each_ref(), weights);
         super::texture::decode_normal(stored.xyz(), scale, frame).extend(1.0)
     }
 }

@@ -118,10 +118,9 @@ impl Painter<'_> {
 
     fn paint_block(&self, band: &mut Band<'_>, block: &Block, scratch: &mut Scratch) {
         if self.is_beyond(block) {
-            block.kind.cells().for_each(|cell| self.extrapolate(band, block, cell));
+            block.kind.faces().for_each(|face| self.extrapolate(band, block, face));
         } else {
-            let faces = block.kind.cells().flatten().flatten();
-            faces.for_each(|face| self.copy(band, block, face as usize, scratch));
+            block.kind.faces().for_each(|face| self.copy(band, block, face, scratch));
         }
     }
 }

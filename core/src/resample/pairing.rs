@@ -1,0 +1,92 @@
+//! Which triangles become quads: the pairs that save most texels.
+
+use glam::Vec2;
+
+use crate::mesh::{CanvasEdge, CanvasMesh, Side};
+use crate::source::SurfaceSource;
+
+/// Steps of one texel in a pair's weight.
+const WEIGHT_STEPS: f32 = 16.0;
+
+/// For each face the one that it is to be a quad with. `mergeable` says by canvas edge whether its two sides may become
+/// one; edges that do not have exactly two different triangles never do.
+pub fn pair_triangles(
+    canvas: &CanvasMesh,
+    sources: &[SurfaceSource<'_>],
+    mergeable: &[bool],
+) -> Vec<Option<u32>> {
+    let costs = Costs { canvas, source: finest(canvas, sources) };
+    let mut candidates: Vec<(i64, [u32; 2])> = (canvas.edges.iter().zip(mergeable))
+        .filter(|(_, mergeable)| **mergeable)
+        .filter_map(|(edge, _)| candidate(&costs, edge))
+        .collect();
+    candidates.sort_by_key(|&(weight, faces)| (-weight, faces));
+    let mut partner = vec![None; canvas.faces.len()];
+    for (_, [a, b]) in candidates {
+        if partner[a as usize].is_none() && partner[b as usize].is_none() {
+            partner[a as usize] = Some(b);
+            partner[b as usize] = Some(a);
+        }
+    }
+    partner
+}
+
+/// The source of most texels.
+fn finest<'s, 'a>(canvas: &CanvasMesh, sources: &'s [SurfaceSource<'a>]) -> Option<&'s SurfaceSource<'a>> {
+    let area = |source: &SurfaceSource<'_>| -> f32 {
+        (0..canvas.faces.len()).map(|face| source.area_texels(canvas, face)).sum()
+    };
+    sources.iter().max_by(|a, b| area(a).total_cmp(&area(b)))
+}
+
+fn candidate(costs: &Costs<'_>, edge: &CanvasEdge) -> Option<(i64, [u32; 2])> {
+    let &[a, b] = costs.canvas.sides(edge) else { return None };
+    let [face_a, face_b] = [a, b].map(|side| &costs.canvas.faces[side.face as usize]);
+    let is_plain = a.face != b.face && face_a.is_triangle() && face_b.is_triangle();
+    let opposite = |side: Side| costs.canvas.faces[side.face as usize].vertices[(usize::from(side.edge) + 2) % 3];
+    // Front and back of one sheet share more than this edge.
+    if !is_plain || opposite(a) == opposite(b) {
+        return None;
+    }
+    let weight = (costs.saved_texels(a, b) * WEIGHT_STEPS).round();
+    (weight >= 1.0).then_some((weight as i64, [a.face, b.face]))
+}
+
+/// What faces cost in texels where every side gets a sample for each texel of the source.
+struct Costs<'a> {
+    canvas: &'a CanvasMesh,
+    source: Option<&'a SurfaceSource<'a>>,
+}
+
+impl Costs<'_> {
+    /// What a pair costs less than its two triangles.
+    fn saved_texels(&self, a: Side, b: Side) -> f32 {
+        let [sides_a, sides_b] = [a, b].map(|side| self.sides(side));
+        let ([_, next_a, last_a], [_, next_b, last_b]) = (sides_a, sides_b);
+        // Around the quad the sides of the second triangle face those of the first; which face which depends on how
+        // the two wind.
+        let same_way = {
+            let [a, b] = [a, b].map(|side| self.canvas.faces[side.face as usize].is_reversed(usize::from(side.edge)));
+            a == b
+        };
+        let [facing_next, facing_last] = if same_way { [last_b, next_b] } else { [next_b, last_b] };
+        let [n, m] = [next_a.max(facing_next), last_a.max(facing_last)].map(|length| length.max(1.0));
+        lone(sides_a) + lone(sides_b) - (n + 1.0) * (m + 1.0)
+    }
+
+    /// Lengths of a triangle's sides in texels of the source, from the one that is named on.
+    fn sides(&self, side: Side) -> [f32; 3] {
+        let Some(source) = self.source else { return [1.0; 3] };
+        let places = source.places(side.face as usize)[0];
+        let length = |k: usize| Vec2::distance(places[k % 3], places[(k + 1) % 3]);
+        let first = usize::from(side.edge);
+        [length(first), length(first + 1), length(first + 2)]
+    }
+}
+
+/// Half a block of two lone triangles, as fine as the mean of their two longer sides asks for.
+fn lone(mut sides: [f32; 3]) -> f32 {
+    sides.sort_by(f32::total_cmp);
+    let n = (sides[1] * sides[2]).sqrt().max(1.0);
+    0.5 * (n + 1.0) * (n + 4.0)
+}
