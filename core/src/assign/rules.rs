@@ -234,7 +234,7 @@ impl Builder<'_> {
         if self.channel.is_free(face, diagonal) {
             return;
         }
-        let n = self.channel.numbering.segments(face);
+        let [n, _] = self.channel.numbering.shape(face).segments;
         let scale = 1.0 / n as f32;
         for x in 1..=n {
             let y = n + 1 - x;

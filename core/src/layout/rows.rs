@@ -66,7 +66,7 @@ fn blocks(request: &LayoutRequest<'_>) -> Vec<Block> {
     let mut blocks = Vec::new();
     let mut waiting: [Option<u32>; 32] = [None; 32];
     for (face, canvas_face) in (0u32..).zip(&canvas.faces) {
-        let exponent = resolutions.faces[face as usize];
+        let [exponent, _] = resolutions.faces[face as usize];
         if !canvas_face.is_triangle() {
             blocks.push(block(BlockKind::Quad(face), exponent));
             continue;

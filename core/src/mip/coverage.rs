@@ -68,27 +68,27 @@ fn areas_by_alpha(numbering: &LevelNumbering<'_>, values: &[Vec4], watch: &dyn W
     for face in 0..numbering.canvas.faces.len() {
         watch::check(watch)?;
         numbering.fill(face, values, &mut grid);
-        let side = grid.segments * POINTS_PER_SIDE.div_ceil(grid.segments);
-        let area = f64::from(numbering.canvas.faces[face].area) / f64::from(side).powi(2);
-        count_face(&grid, side, area, &mut areas);
+        let sides = grid.shape.segments.map(|segments| segments * POINTS_PER_SIDE.div_ceil(segments));
+        let squares = f64::from(sides[0]) * f64::from(sides[1]);
+        count_face(&grid, sides, f64::from(numbering.canvas.faces[face].area) / squares, &mut areas);
     }
     Ok(areas)
 }
 
-/// Middles of `side * side` squares; on a triangle those beyond the diagonal are left out, and those on it
+/// Middles of equal rectangles, so many a side; on a triangle those beyond the diagonal are left out, and those on it
 /// count half.
-fn count_face(grid: &FaceGrid, side: u32, area: f64, areas: &mut [f64]) {
-    let scale = grid.segments as f32 / side as f32;
-    for y in 0..side {
-        for x in 0..side {
-            let share = match (grid.is_triangle, (x + y + 1).cmp(&side)) {
+fn count_face(grid: &FaceGrid, [columns, rows]: [u32; 2], area: f64, areas: &mut [f64]) {
+    let [n, m] = grid.shape.segments;
+    for y in 0..rows {
+        for x in 0..columns {
+            let share = match (grid.shape.is_triangle, (x + y + 1).cmp(&columns)) {
                 (false, _) => 1.0,
                 (true, std::cmp::Ordering::Less) => 2.0,
                 (true, std::cmp::Ordering::Equal) => 1.0,
                 (true, std::cmp::Ordering::Greater) => continue,
             };
-            let at = |v: u32| (v as f32 + 0.5) * scale;
-            areas[bin(grid.alpha(at(x), at(y)))] += area * share;
+            let at = |v: u32, side: u32, segments: u32| (v as f32 + 0.5) * segments as f32 / side as f32;
+            areas[bin(grid.alpha(at(x, columns, n), at(y, rows, m)))] += area * share;
         }
     }
 }

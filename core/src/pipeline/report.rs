@@ -155,8 +155,8 @@ fn describe_layout(report: &mut LayoutReport, conversion: &MaterialConversion) {
         .sum();
     report.face_count = conversion.canvas.faces.len() as u64 + report.merged_pair_count;
     report.exponents = vec![0; usize::from(conversion.resolutions.max()) + 1];
-    for (face, &exponent) in conversion.canvas.faces.iter().zip(&conversion.resolutions.faces) {
-        report.exponents[usize::from(exponent)] += 1 + u64::from(face.is_pair());
+    for (face, &[r, s]) in conversion.canvas.faces.iter().zip(&conversion.resolutions.faces) {
+        report.exponents[usize::from(r.max(s))] += 1 + u64::from(face.is_pair());
     }
 }
 
@@ -182,7 +182,7 @@ impl Counts {
         let blocks = || materials.iter().flat_map(|conversion| &conversion.layout.blocks);
         let beyond = |conversion: &MaterialConversion| {
             let last = conversion.layout.level_count() - 1;
-            conversion.resolutions.faces.iter().filter(|&&exponent| usize::from(exponent) < last).count()
+            conversion.resolutions.faces.iter().filter(|&&[r, s]| usize::from(r.min(s)) < last).count()
         };
         Self {
             cut_edges: channels().flat_map(|channel| &channel.cuts.edges).filter(|cut| **cut).count(),

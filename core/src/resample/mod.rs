@@ -11,7 +11,6 @@ mod pairing;
 mod quadrature;
 mod resolution;
 mod samples;
-mod shape;
 #[cfg(test)]
 mod tests;
 
@@ -20,3 +19,6 @@ pub use fitted::Fit;
 pub use pairing::pair_triangles;
 pub use resolution::{Resolution, resolutions};
 pub use samples::{Samples, Sampling, sample};
+
+/// Rows of cells that are in work at once, and columns of one window of texels.
+const BAND: u32 = 32;

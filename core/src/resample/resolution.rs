@@ -32,7 +32,7 @@ pub fn resolutions(
     let places = largest_instances(asset);
     let faces = canvas.faces.iter().enumerate().map(|(number, face)| {
         let cells = match rule {
-            Resolution::Fixed(exponent) => return exponent,
+            Resolution::Fixed(exponent) => return [exponent; 2],
             Resolution::Area(factor) => {
                 let areas = sources.iter().map(|source| source.area_texels(canvas, number));
                 factor * areas.fold(0.0, f32::max)
@@ -42,7 +42,7 @@ pub fn resolutions(
             }
         };
         let segments = (cells * if face.is_triangle() { 2.0 } else { 1.0 }).sqrt();
-        segments.max(1.0).log2().round().clamp(0.0, EXPONENT_MAX) as u8
+        [segments.max(1.0).log2().round().clamp(0.0, EXPONENT_MAX) as u8; 2]
     });
     Resolutions { faces: faces.collect() }
 }
