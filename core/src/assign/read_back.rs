@@ -29,16 +29,15 @@ pub fn read_back(
         Some(_) => of_versions(channel, values, of_copy),
     };
     let numbering = channel.numbering;
-    let scale = (-(numbering.level as f32)).exp2();
     for (face, canvas_face) in numbering.canvas.faces.iter().enumerate() {
-        if !channel.layout.block(face).is_beyond(numbering.level) {
+        if !channel.layout.is_beyond(channel.layout.block(face), numbering.level) {
             continue;
         }
         for corner in 0..canvas_face.count() {
             let sample = numbering.topology.fan_of[face][corner] as usize;
             let (s, t) = corner_point(canvas_face.is_triangle(), corner);
             let wanted = channel.stored(face, values.fans[sample], s, t).as_vec4();
-            let place = channel.layout.scaled(face, corner) * scale + channel.layout.offset(face);
+            let place = channel.layout.place(face, corner, numbering.level);
             changes[sample] = changes[sample].max(change(bilinear(image, range, place), wanted));
         }
     }
@@ -50,7 +49,7 @@ fn of_versions(channel: &LevelChannel<'_>, values: &LevelValues, change: impl Fn
     let numbering = channel.numbering;
     let mut changes = vec![0.0f64; values.samples.len()];
     for face in 0..numbering.canvas.faces.len() {
-        if channel.layout.block(face).is_beyond(numbering.level) {
+        if channel.layout.is_beyond(channel.layout.block(face), numbering.level) {
             continue;
         }
         let shape = numbering.shape(face);

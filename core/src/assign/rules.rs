@@ -204,7 +204,7 @@ pub fn rules(channel: &LevelChannel<'_>) -> Rules {
     let rules = Rules { is_affine: channel.frames.is_none(), ..Rules::default() };
     let mut builder = Builder { channel, rules };
     for block in &channel.layout.blocks {
-        if block.is_beyond(channel.numbering.level) {
+        if channel.layout.is_beyond(block, channel.numbering.level) {
             block.kind.faces().for_each(|face| builder.beyond(block, face));
         } else if block.kind.is_lone() {
             block.kind.faces().for_each(|face| builder.border(face));

@@ -90,7 +90,7 @@ fn primitives(
             let number = place.canvas_face;
             target.triangles.push(FinishedTriangle {
                 vertices: place.corners.map(|corner| source.corners[corner]),
-                scaled: place.canvas_corners.map(|corner| conversion.layout.scaled(number, corner)),
+                scaled: place.canvas_corners.map(|corner| conversion.layout.corner(number, corner)),
                 offset: conversion.layout.offset(number),
             });
             if let Some(frames) = &conversion.frames {

@@ -6,7 +6,7 @@ use crate::asset::{AlphaMode, Asset};
 use crate::assign::{NormalFrames, choose_frames};
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions, level_count};
 use crate::error::Result;
-use crate::layout::{Layout, LayoutRequest, arrange};
+use crate::layout::{Coordinates, Layout, LayoutRequest, arrange};
 use crate::mesh::{CanvasEdge, CanvasFace, CanvasMesh, Drawn, Polygons, Side, build, merge};
 use crate::read::Limits;
 use crate::resample::{find_cuts, pair_triangles, resolutions, sample};
@@ -49,7 +49,8 @@ pub fn convert_material(
     watch.stage(Stage::Resample);
     let Paired { canvas, cuts } = pair(asset, canvas, &source_channels, options, watch)?;
     let sources = sources_on(asset, &canvas, &source_channels);
-    let resolutions = resolutions(options.resolution, asset, &canvas, &sources);
+    let is_elongated = options.coordinates == Coordinates::Indexed;
+    let resolutions = resolutions(options.resolution, is_elongated, asset, &canvas, &sources);
     progress.advance(0.2);
     watch.stage(Stage::Layout);
     let normals = source_channels.iter().any(SourceChannel::is_normal).then(|| normals_of(asset, &canvas));
@@ -59,6 +60,7 @@ pub fn convert_material(
         diagonals: &diagonals(&canvas, &cuts),
         level_count: level_count(&canvas, &resolutions),
         side_limit: limits.texture_side,
+        coordinates: options.coordinates,
     };
     let layout = arrange(&request)?;
     let normal_scale = source_channels.iter().find_map(SourceChannel::normal_scale).unwrap_or(1.0);

@@ -13,6 +13,7 @@ mod represent;
 mod tests;
 
 pub use crate::assign::{Range, Rounding};
+pub use crate::layout::Coordinates;
 pub use crate::measure::Focus;
 pub use crate::mip::{Beyond, MipFilter};
 pub use crate::resample::{Resolution, Sampling};

@@ -5,6 +5,7 @@ use serde_json::{Map, Value};
 
 use crate::assign::{Range, Rounding};
 use crate::error::{Error, ErrorCode, Result};
+use crate::layout::Coordinates;
 use crate::mip::{Beyond, MipFilter};
 use crate::resample::{Resolution, Sampling};
 use crate::solve::Solver;
@@ -20,6 +21,7 @@ pub struct Options {
     pub solver: Solver,
     pub range: Range,
     pub rounding: Rounding,
+    pub coordinates: Coordinates,
     /// Edges whose two sides differ by more than this many codes are kept as cuts.
     pub cut_codes: f32,
 }
@@ -54,6 +56,7 @@ const SOLVERS: &[(&str, Solver)] = &[
 const RANGES: &[(&str, Range)] =
     &[("unorm8", Range::Unorm8), ("scaled16", Range::Scaled16), ("float16", Range::Float16)];
 const ROUNDINGS: &[(&str, Rounding)] = &[("nearest", Rounding::Nearest), ("rules", Rounding::Rules)];
+const COORDINATES: &[(&str, Coordinates)] = &[("4d", Coordinates::Scaled), ("indexed", Coordinates::Indexed)];
 
 /// One option as every interface shows it.
 #[derive(Clone, Copy, Debug)]
@@ -147,6 +150,15 @@ pub const OPTIONS: &[OptionSpec] = &[
         doc: "How samples become codes: each texel to the nearest, or samples first, so that texels made from them keep their rules",
     },
     OptionSpec {
+        name: "coordinates",
+        value_name: "RUNG",
+        default: "indexed",
+        follows_quality: true,
+        rungs: &names::<_, 2>(COORDINATES),
+        allowed: "4d, indexed",
+        doc: "How a viewer finds texels: u_s / 2^level + u_delta, or by the number of a face's block and a table of levels, which needs fewer texels and no change of colors at coarse levels",
+    },
+    OptionSpec {
         name: "cut",
         value_name: "CODES",
         default: "8",
@@ -169,6 +181,7 @@ impl Options {
             solver: Solver::Global,
             range: Range::Float16,
             rounding: Rounding::Rules,
+            coordinates: Coordinates::Indexed,
             cut_codes: 8.0,
         };
         match quality {
@@ -200,6 +213,7 @@ impl Options {
             "solver" => self.solver = named(SOLVERS, value).ok_or_else(refuse)?,
             "range" => self.range = named(RANGES, value).ok_or_else(refuse)?,
             "rounding" => self.rounding = named(ROUNDINGS, value).ok_or_else(refuse)?,
+            "coordinates" => self.coordinates = named(COORDINATES, value).ok_or_else(refuse)?,
             "cut" => {
                 self.cut_codes = in_range(value, 0.0, 255.0).ok_or_else(refuse)?;
             }
@@ -250,6 +264,7 @@ impl Options {
             name_of(SOLVERS, self.solver).into(),
             name_of(RANGES, self.range).into(),
             name_of(ROUNDINGS, self.rounding).into(),
+            name_of(COORDINATES, self.coordinates).into(),
             f64::from(self.cut_codes).into(),
         ];
         OPTIONS.iter().map(|spec| spec.name.to_owned()).zip(values).collect()

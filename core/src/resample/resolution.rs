@@ -9,6 +9,8 @@ use crate::source::SurfaceSource;
 
 /// Sides of `2^12` segments are the finest a face gets.
 const EXPONENT_MAX: f32 = 12.0;
+/// No face is taken to be more elongated than this.
+const ASPECT_MAX: f32 = 256.0;
 
 /// How many samples a face gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,10 +23,12 @@ pub enum Resolution {
     Density(f32),
 }
 
-/// One exponent for each face. A face of `n = 2^r` segments has `n²` cells as a quad and `n²/2` as a
-/// triangle; they are matched with the area asked for, to the nearest exponent.
+/// Exponents for each face. A face of `n` by `m` segments has `n m` cells as a quad and `n²/2` as a triangle; they are
+/// matched with the area asked for, to the nearest exponents. Where faces may be elongated (MCT 3.6) a quad's cells
+/// are as nearly square as its sides are long in the source; else, and where the rule is a fixed exponent, its two are equal.
 pub fn resolutions(
     rule: Resolution,
+    is_elongated: bool,
     asset: &Asset,
     canvas: &CanvasMesh,
     sources: &[SurfaceSource<'_>],
@@ -41,10 +45,32 @@ pub fn resolutions(
                 texels * texels * world_area(canvas, face, &places[face.mesh as usize])
             }
         };
-        let segments = (cells * if face.is_triangle() { 2.0 } else { 1.0 }).sqrt();
-        [segments.max(1.0).log2().round().clamp(0.0, EXPONENT_MAX) as u8; 2]
+        if face.is_triangle() || !is_elongated {
+            let segments = (cells * if face.is_triangle() { 2.0 } else { 1.0 }).sqrt();
+            return [exponent(segments); 2];
+        }
+        let aspect = match rule {
+            Resolution::Density(_) => aspect(world_sides(canvas, face)),
+            _ => sources.iter().map(|source| aspect(source.quad_sides(number))).next().unwrap_or(1.0),
+        };
+        [exponent((cells * aspect).sqrt()), exponent((cells / aspect).sqrt())]
     });
     Resolutions { faces: faces.collect() }
+}
+
+fn exponent(segments: f32) -> u8 {
+    segments.max(1.0).log2().round().clamp(0.0, EXPONENT_MAX) as u8
+}
+
+/// How much longer a quad is along its first axis than along its second, by the means of opposite sides.
+fn aspect([a, b, c, d]: [f32; 4]) -> f32 {
+    let aspect = (a + c) / (b + d);
+    if aspect.is_finite() && aspect > 0.0 { aspect.clamp(ASPECT_MAX.recip(), ASPECT_MAX) } else { 1.0 }
+}
+
+fn world_sides(canvas: &CanvasMesh, face: &CanvasFace) -> [f32; 4] {
+    let at = |k: usize| canvas.positions[face.vertices[k % 4] as usize];
+    [0, 1, 2, 3].map(|k| at(k).distance(at(k + 1)))
 }
 
 /// Instances of one mesh that are looked at: those of the largest matrices.

@@ -130,6 +130,12 @@ impl<'a> SurfaceSource<'a> {
         &self.places[face][..canvas.faces[face].drawn_corners().len()]
     }
 
+    /// Lengths of a quad's edges in texels of the image.
+    pub fn quad_sides(&self, face: usize) -> [f32; 4] {
+        let [[a, b, c], [d, e, f]] = self.places[face];
+        [a.distance(b), b.distance(c), e.distance(f), f.distance(d)]
+    }
+
     /// Area of a face in texels of the image, overlaps counted.
     pub fn area_texels(&self, canvas: &CanvasMesh, face: usize) -> f32 {
         let doubled = |[a, b, c]: &[Vec2; 3]| (*b - *a).perp_dot(*c - *a).abs();

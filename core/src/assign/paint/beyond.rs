@@ -58,8 +58,8 @@ impl BeyondCell {
     pub fn new(channel: &LevelChannel<'_>, block: &Block, face: usize) -> Self {
         let level = channel.numbering.level;
         let shift = channel.layout.placements[face].shift;
-        let corner = block.corner(level) + DVec2::new(f64::from(shift), 0.0);
-        let side = f64::from(block.segments) / (level as f64).exp2();
+        let corner = channel.layout.first_corner(block, level) + DVec2::new(f64::from(shift), 0.0);
+        let side = (f64::from(block.exponents[0]) - level as f64).exp2();
         let first = corner.floor();
         let far = corner + side;
         let count = |far: f64, first: f64| if far - first >= 1.0 { 3 } else { 2 };
