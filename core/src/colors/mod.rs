@@ -29,6 +29,11 @@ pub struct Resolutions {
 }
 
 impl Resolutions {
+    /// The same along both axes of each face.
+    pub fn uniform(exponents: impl IntoIterator<Item = u8>) -> Self {
+        Self { faces: exponents.into_iter().map(|exponent| [exponent; 2]).collect() }
+    }
+
     pub fn max(&self) -> u8 {
         self.faces.iter().flatten().copied().max().unwrap_or(0)
     }

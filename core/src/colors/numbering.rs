@@ -135,10 +135,16 @@ impl<'a> LevelNumbering<'a> {
         1 << self.strip_exponents[strip]
     }
 
-    /// How many levels ago the face came down to vertex colors, 0 at the level where it does; `None` before.
-    pub fn levels_beyond(&self, face: usize) -> Option<usize> {
-        let [r, s] = self.finest_exponents[face];
-        self.level.checked_sub(usize::from(r.max(s)))
+    /// Whether the face has come down to its ends along one axis at least.
+    pub fn is_down(&self, face: usize) -> bool {
+        self.shapes[face].segments.contains(&1)
+    }
+
+    /// The share of a quad, or twice that of a triangle, that a texel of this level is: the area of a square of `2^level` by
+    /// `2^level` of its cells at level 0.
+    pub fn texel_share(&self, face: usize) -> f64 {
+        let [r, s] = self.finest_exponents[face].map(i32::from);
+        f64::from(2 * self.level as i32 - r - s).exp2()
     }
 
     /// Samples inside the strip, low end first; its ends are fans.

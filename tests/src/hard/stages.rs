@@ -43,7 +43,7 @@ pub fn far_levels(patch: &Patch, last: usize, transfer: Transfer, seed: u64) -> 
         positions: &patch.positions,
         faces: &mut faces.iter().map(|face| (face.corners, face.count)),
     }]);
-    let resolutions = Resolutions { faces: vec![0; faces.len()] };
+    let resolutions = Resolutions::uniform(vec![0; faces.len()]);
     let cuts = Cuts::none(&canvas);
     let layout = arrange(&LayoutRequest {
         canvas: &canvas,
