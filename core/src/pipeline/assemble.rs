@@ -1,7 +1,9 @@
 //! Converted materials to what is stored: drawn triangles with their coordinates, frames and cuts.
 
 use crate::asset::Asset;
-use crate::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, PrimitiveCuts};
+use crate::finished::{
+    Anchor, Coordinates, Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, PrimitiveCuts,
+};
 
 use super::material::MaterialConversion;
 
@@ -41,6 +43,7 @@ fn primitives(
                 mesh,
                 primitive,
                 material: conversion.material,
+                coordinates: Coordinates::Scaled,
                 triangles: Vec::new(),
                 frames: Vec::new(),
                 cuts: (0..conversion.channels.len())
@@ -53,8 +56,8 @@ fn primitives(
         for corners in source.triangles() {
             target.triangles.push(FinishedTriangle {
                 vertices: corners.map(|corner| source.corners[corner]),
-                scaled: corners.map(|corner| conversion.layout.scaled(number, corner)),
-                offset: conversion.layout.offset(number),
+                corners: corners.map(|corner| conversion.layout.scaled(number, corner)),
+                anchor: Anchor::Offset(conversion.layout.offset(number)),
             });
             if let Some(frames) = &conversion.frames {
                 target.frames.push(corners.map(|corner| frames.corners[number][corner]));
