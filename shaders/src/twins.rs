@@ -5,6 +5,7 @@
 use glam::{Vec2, Vec4, Vec4Swizzles};
 use meshcolor::image::{Image, Transfer, Wrap, WrapMode, bilinear};
 
+pub mod indexed;
 #[cfg(test)]
 mod tests;
 

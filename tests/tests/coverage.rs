@@ -15,10 +15,11 @@ fn coverage(finished: &Finished, cutoff: f32) -> Vec<f32> {
     const POINTS: usize = 40;
     let share = |level: &Image, number: usize| {
         let (mut passed, mut all) = (0, 0);
-        for triangle in &finished.primitives[0].triangles {
+        let piece = &finished.primitives[0];
+        for triangle in 0..piece.triangles.len() {
             for (i, j) in (0..POINTS).flat_map(|j| (0..POINTS - j).map(move |i| (i, j))) {
                 let [s, t] = [i, j].map(|k| (k as f32 + 0.33) / POINTS as f32);
-                let place = triangle.place_at(Vec3::new(1.0 - s - t, s, t), number);
+                let place = piece.place_at(triangle, Vec3::new(1.0 - s - t, s, t), number);
                 all += 1;
                 passed += usize::from(shown_alpha(level, place) >= cutoff);
             }

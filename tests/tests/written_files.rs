@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 use glam::{Vec2, Vec3, Vec4};
 use meshcolor::asset::{Asset, Slot};
 use meshcolor::finished::{
-    Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame, PrimitiveCuts, extract,
+    Anchor, Coordinates, Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame,
+    PrimitiveCuts, extract,
 };
 use meshcolor::image::{Image, Pixels, Transfer};
 use meshcolor::read::{Limits, Upload, read};
@@ -58,8 +59,8 @@ fn piece(
         for corners in face.triangles() {
             triangles.push(FinishedTriangle {
                 vertices: corners.map(|corner| face.corners[corner]),
-                scaled: corners.map(|corner| Vec2::new(corner as f32, (number % 7) as f32)),
-                offset: Vec2::new(0.5 + (number % 50) as f32, 1.5),
+                corners: corners.map(|corner| Vec2::new(corner as f32, (number % 7) as f32)),
+                anchor: Anchor::Offset(Vec2::new(0.5 + (number % 50) as f32, 1.5)),
             });
         }
     }
@@ -69,7 +70,8 @@ fn piece(
     let mut bits = vec![0; triangles.len()];
     bits[triangles.len() / 2] = 0b011;
     let cuts = vec![PrimitiveCuts { texture: first, bits }];
-    Some(FinishedPrimitive { mesh, primitive, material, triangles, frames, cuts })
+    let coordinates = Coordinates::Scaled;
+    Some(FinishedPrimitive { mesh, primitive, material, coordinates, triangles, frames, cuts })
 }
 
 fn gradient(width: u32, height: u32, shift: u8) -> Image {
@@ -101,7 +103,7 @@ fn judge(name: &str, upload: &Upload) {
         };
         assert!(positions(&back, read) == positions(&asset, wrote), "{name}: positions");
         let places = |piece: &FinishedPrimitive| -> Vec<_> {
-            piece.triangles.iter().map(|triangle| (triangle.scaled, triangle.offset)).collect()
+            piece.triangles.iter().map(|triangle| (triangle.corners, triangle.anchor)).collect()
         };
         assert!(places(read) == places(wrote), "{name}: places");
     }

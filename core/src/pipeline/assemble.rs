@@ -1,7 +1,13 @@
 //! Converted materials to what is stored: drawn triangles with their coordinates, frames and cuts.
 
+use std::sync::Arc;
+
 use crate::asset::Asset;
-use crate::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, PrimitiveCuts};
+use crate::finished::{
+    Anchor, BlockClass, BlockTable, Coordinates, Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle,
+    PrimitiveCuts, TableLevel,
+};
+use crate::layout::{Class, ClassGrid, Layout, Place, TWIN_SHIFT};
 use crate::mesh::{CanvasFace, CanvasMesh};
 
 use super::material::MaterialConversion;
@@ -72,6 +78,7 @@ fn primitives(
 ) -> Vec<FinishedPrimitive> {
     let canvas = &conversion.canvas;
     let mut primitives: Vec<FinishedPrimitive> = Vec::new();
+    let coordinates = coordinates(&conversion.layout);
     let places = drawn_places(canvas);
     for places in places.chunk_by(|a, b| a.primitive == b.primitive) {
         let (mesh, primitive) = (places[0].primitive.0 as usize, places[0].primitive.1 as usize);
@@ -79,6 +86,7 @@ fn primitives(
             mesh,
             primitive,
             material: conversion.material,
+            coordinates: coordinates.clone(),
             triangles: Vec::with_capacity(places.len()),
             frames: Vec::new(),
             cuts: (0..conversion.channels.len())
@@ -90,8 +98,8 @@ fn primitives(
             let number = place.canvas_face;
             target.triangles.push(FinishedTriangle {
                 vertices: place.corners.map(|corner| source.corners[corner]),
-                scaled: place.canvas_corners.map(|corner| conversion.layout.corner(number, corner)),
-                offset: conversion.layout.offset(number),
+                corners: place.canvas_corners.map(|corner| conversion.layout.corner(number, corner)),
+                anchor: anchor(&conversion.layout, number),
             });
             if let Some(frames) = &conversion.frames {
                 target.frames.push(place.canvas_corners.map(|corner| frames.corners[number][corner]));
@@ -119,5 +127,48 @@ fn edge_between(face: &CanvasFace, one: usize, other: usize) -> Option<u32> {
         Some(face.edges[other])
     } else {
         None
+    }
+}
+
+/// The table that finds blocks by their numbers, where the layout has one. A class of lone triangles is two of the
+/// table's: the second for the turned triangles of its blocks.
+fn coordinates(layout: &Layout) -> Coordinates {
+    if layout.classes.is_empty() {
+        return Coordinates::Scaled;
+    }
+    let shifts = |class: &Class| if class.is_lone { &[0, TWIN_SHIFT][..] } else { &[0] };
+    let in_table = |class: &Class| {
+        let class = *class;
+        shifts(&class).iter().map(move |&shift| BlockClass {
+            exponents: class.exponents,
+            cells: [1, 1],
+            gap: [if class.is_lone { 1 + TWIN_SHIFT } else { 1 }, 1],
+            shift: [shift, 0],
+        })
+    };
+    let level = |grids: &Vec<ClassGrid>| {
+        let all = || {
+            (layout.classes.iter().zip(grids)).flat_map(|(class, grid)| shifts(class).iter().map(move |_| grid))
+        };
+        TableLevel {
+            columns: all().map(|grid| grid.columns).collect(),
+            firsts: all().map(|grid| grid.first).collect(),
+            origins: all().map(|grid| grid.origin).collect(),
+        }
+    };
+    Coordinates::Indexed(Arc::new(BlockTable {
+        classes: layout.classes.iter().flat_map(in_table).collect(),
+        levels: layout.grids.iter().map(level).collect(),
+    }))
+}
+
+fn anchor(layout: &Layout, face: usize) -> Anchor {
+    match layout.block(face).place {
+        Place::Scaled { .. } => Anchor::Offset(layout.offset(face)),
+        Place::Indexed { class, number } => {
+            let lone_before = layout.classes[..class as usize].iter().filter(|class| class.is_lone).count() as u32;
+            let is_second = layout.placements[face].shift > 0;
+            Anchor::Block { class: class + lone_before + u32::from(is_second), number }
+        }
     }
 }

@@ -4,6 +4,7 @@
 //! stays as it came, and what only the replaced parts used is swept out at the end.
 
 mod compact;
+mod coordinates;
 mod draft;
 mod extensions;
 mod images;
@@ -17,7 +18,7 @@ mod vertices;
 use std::collections::BTreeMap;
 
 use crate::asset::{Asset, Slot};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, ErrorCode, Result, Warning};
 use crate::finished::{Finished, FinishedPrimitive};
 use crate::watch::{Stage, Watch, check};
 
@@ -50,6 +51,8 @@ pub fn glb(asset: &Asset, finished: &Finished, watch: &dyn Watch) -> Result<Vec<
     watch.step(None);
     let mut draft = Draft::open(&asset.document)?;
     images::embed_files(&mut draft, asset);
+    // Ours, not the file's.
+    finished.check_coordinates().map_err(|error| Error { code: ErrorCode::Internal, ..error })?;
     let converted = converted_primitives(asset, finished)?;
     let mut materials = Materials::convert(&mut draft, asset, finished, encoded?)?;
     for (mesh, source) in asset.meshes.iter().enumerate() {

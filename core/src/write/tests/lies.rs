@@ -185,7 +185,7 @@ fn scaled_coordinates_may_be_whole_texels() {
     attribute.bytes = whole.iter().flat_map(|code| code.to_le_bytes()).collect();
     let finished = extract(&asset).unwrap().unwrap();
     let triangle = finished.primitives[0].triangles[0];
-    assert_eq!(triangle.scaled[1], glam::Vec2::new(2.0, 3.0));
+    assert_eq!(triangle.corners[1], glam::Vec2::new(2.0, 3.0));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Writes made-up conversions and reads them back with a small reader of its own.
 
 mod fixture;
+mod indexed;
 mod lies;
 mod parse;
 mod special;
@@ -19,12 +20,13 @@ fn a_finished_conversion_comes_back_from_its_file_to_the_bit() {
     let (read, wrote) = (&read.primitives[0], &finished.primitives[0]);
     assert_eq!((&read.frames, &read.cuts), (&wrote.frames, &wrote.cuts));
     let (before, after) = (&asset.meshes[0].primitives[0], &back.meshes[0].primitives[0]);
-    for (read, wrote) in read.triangles.iter().zip(&wrote.triangles) {
-        assert_eq!((read.scaled, read.offset), (wrote.scaled, wrote.offset));
+    let piece = wrote;
+    for (number, (read, wrote)) in read.triangles.iter().zip(&wrote.triangles).enumerate() {
+        assert_eq!((read.corners, read.anchor), (wrote.corners, wrote.anchor));
         for k in 0..3 {
             let (old, new) = (wrote.vertices[k] as usize, read.vertices[k] as usize);
             assert_eq!(after.positions[new], before.positions[old]);
-            assert_eq!(after.texcoords[0][new], wrote.place(k, 0) / Vec2::new(16.0, 8.0));
+            assert_eq!(after.texcoords[0][new], piece.place(number, k, 0) / Vec2::new(16.0, 8.0));
             assert_eq!(after.texcoords[1][new], before.texcoords[1][old]);
         }
     }

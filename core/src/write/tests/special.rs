@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::{fixture, parse};
 use crate::asset::{Asset, Document, EncodedImage, Face, Material, Mesh, Primitive};
-use crate::finished::{Finished, FinishedPrimitive, FinishedTriangle, extract};
+use crate::finished::{Anchor, Coordinates, Finished, FinishedPrimitive, FinishedTriangle, extract};
 use crate::watch::Unwatched;
 use crate::write::glb;
 
@@ -48,14 +48,15 @@ fn finished(asset: &Asset) -> Finished {
     let triangles = source.faces.iter().enumerate().flat_map(|(number, face)| {
         face.triangles().iter().map(move |corners| FinishedTriangle {
             vertices: corners.map(|corner| face.corners[corner]),
-            scaled: corners.map(|corner| Vec2::splat(corner as f32)),
-            offset: Vec2::splat(0.5 + number as f32),
+            corners: corners.map(|corner| Vec2::splat(corner as f32)),
+            anchor: Anchor::Offset(Vec2::splat(0.5 + number as f32)),
         })
     });
     finished.primitives = vec![FinishedPrimitive {
         mesh: 0,
         primitive: 0,
         material: 0,
+        coordinates: Coordinates::Scaled,
         triangles: triangles.collect(),
         frames: Vec::new(),
         cuts: Vec::new(),
