@@ -2,6 +2,7 @@
 
 use glam::Vec2;
 
+use crate::math::matching::{WeightedEdge, maximum_weight_matching};
 use crate::mesh::{CanvasEdge, CanvasMesh, Side};
 use crate::source::SurfaceSource;
 
@@ -16,19 +17,11 @@ pub fn pair_triangles(
     mergeable: &[bool],
 ) -> Vec<Option<u32>> {
     let costs = Costs { canvas, source: finest(canvas, sources) };
-    let mut candidates: Vec<(i64, [u32; 2])> = (canvas.edges.iter().zip(mergeable))
+    let candidates: Vec<WeightedEdge> = (canvas.edges.iter().zip(mergeable))
         .filter(|(_, mergeable)| **mergeable)
         .filter_map(|(edge, _)| candidate(&costs, edge))
         .collect();
-    candidates.sort_by_key(|&(weight, faces)| (-weight, faces));
-    let mut partner = vec![None; canvas.faces.len()];
-    for (_, [a, b]) in candidates {
-        if partner[a as usize].is_none() && partner[b as usize].is_none() {
-            partner[a as usize] = Some(b);
-            partner[b as usize] = Some(a);
-        }
-    }
-    partner
+    maximum_weight_matching(canvas.faces.len(), &candidates)
 }
 
 /// The source of most texels.
@@ -39,7 +32,7 @@ fn finest<'s, 'a>(canvas: &CanvasMesh, sources: &'s [SurfaceSource<'a>]) -> Opti
     sources.iter().max_by(|a, b| area(a).total_cmp(&area(b)))
 }
 
-fn candidate(costs: &Costs<'_>, edge: &CanvasEdge) -> Option<(i64, [u32; 2])> {
+fn candidate(costs: &Costs<'_>, edge: &CanvasEdge) -> Option<WeightedEdge> {
     let &[a, b] = costs.canvas.sides(edge) else { return None };
     let [face_a, face_b] = [a, b].map(|side| &costs.canvas.faces[side.face as usize]);
     let is_plain = a.face != b.face && face_a.is_triangle() && face_b.is_triangle();
@@ -49,7 +42,7 @@ fn candidate(costs: &Costs<'_>, edge: &CanvasEdge) -> Option<(i64, [u32; 2])> {
         return None;
     }
     let weight = (costs.saved_texels(a, b) * WEIGHT_STEPS).round();
-    (weight >= 1.0).then_some((weight as i64, [a.face, b.face]))
+    (weight >= 1.0).then_some(WeightedEdge { nodes: [a.face, b.face], weight: weight as i64 })
 }
 
 /// What faces cost in texels where every side gets a sample for each texel of the source.

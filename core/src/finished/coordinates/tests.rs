@@ -10,7 +10,7 @@ fn doubled(table: &BlockTable, class: u32, number: u32, local: [i64; 2], level: 
     let BlockClass { exponents, cells, gap, shift } = table.classes[class as usize];
     let columns = i64::from(table.levels[level].columns[class as usize]);
     let origin = table.levels[level].origins[class as usize];
-    let number = i64::from(number);
+    let number = i64::from(number) + i64::from(table.levels[level].firsts[class as usize]);
     let block = [number - number / columns * columns, number / columns];
     [0, 1].map(|axis| {
         let mut k = 1;
@@ -60,6 +60,7 @@ proptest! {
         let other = BlockClass { exponents: [20, 0], cells: [3, 1], gap: [1, 1], shift: [0, 0] };
         let levels = levels.iter().map(|&(columns, origin)| TableLevel {
             columns: vec![7, columns],
+            firsts: vec![3, origin[0] % 50],
             origins: vec![[1, 2], origin],
         });
         let table = BlockTable { classes: vec![other, own], levels: levels.collect() };
