@@ -19,7 +19,7 @@ use std::ops::Range;
 
 use glam::{DVec2, Vec2};
 
-use crate::colors::Resolutions;
+use crate::colors::{Resolutions, Shape};
 use crate::error::{Error, ErrorCode, Result};
 use crate::mesh::CanvasMesh;
 
@@ -121,6 +121,16 @@ pub struct Layout {
     pub classes: Vec<Class>,
     /// Of indexed coordinates, by level and class.
     pub grids: Vec<Vec<ClassGrid>>,
+}
+
+/// Texels that a face takes at level 0 with what keeps it from the next; a lone triangle half of what two take.
+pub fn block_texels(coordinates: Coordinates, shape: Shape) -> f64 {
+    let spare = match coordinates {
+        Coordinates::Scaled => SEPARATION,
+        Coordinates::Indexed => 1,
+    };
+    let [n, m] = shape.segments.map(|segments| f64::from(segments + spare));
+    if shape.is_triangle { 0.5 * (n + f64::from(TWIN_SHIFT)) * m } else { n * m }
 }
 
 /// Places every face.

@@ -12,8 +12,8 @@ pub struct Merged {
     pub canvas: CanvasMesh,
     /// By edge of the new canvas, the old canvas' edge.
     pub old_edges: Vec<u32>,
-    /// By face of the new canvas, the old canvas' faces: two of a pair.
-    pub old_faces: Vec<[Option<u32>; 2]>,
+    /// By face of the new canvas, the old canvas' face, and of a pair the other one.
+    pub old_faces: Vec<(u32, Option<u32>)>,
 }
 
 /// Makes quads of pairs. `partner` names by face the one that it is to be a pair with, which has to be another triangle
@@ -35,7 +35,7 @@ pub fn merge(canvas: &CanvasMesh, partner: &[Option<u32>]) -> Merged {
         };
         merged.faces.push(face);
         edges.push(old_edges);
-        old_faces.push([Some(number), other]);
+        old_faces.push((number, other));
     }
     link(&mut merged);
     let mut old_edges = vec![0; merged.edges.len()];

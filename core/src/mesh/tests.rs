@@ -70,7 +70,7 @@ fn a_pair_is_a_quad_over_its_shared_edge() {
         let (a, b) = (turned([0, 1, 2], turn_a), turned([1, 3, 2], turn_b));
         let canvas = canvas(&positions, &[&a, &[1, 4, 3], &b]);
         let merged = merge(&canvas, &[Some(2), None, Some(0)]);
-        assert_eq!(merged.old_faces, [[Some(0), Some(2)], [Some(1), None]]);
+        assert_eq!(merged.old_faces, [(0, Some(2)), (1, None)]);
         let quad = &merged.canvas.faces[0];
         assert!(quad.is_pair() && quad.count == 4);
         for (corners, drawn) in quad.drawn_corners().iter().zip(&quad.drawn) {

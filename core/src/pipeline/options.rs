@@ -16,6 +16,10 @@ pub struct Options {
     pub quality: Quality,
     pub sampling: Sampling,
     pub resolution: Resolution,
+    /// Faces get no finer samples than keep them within so many codes of the source.
+    pub max_error: Option<f32>,
+    /// Level 0 of all materials together has no more texels than this.
+    pub texels: Option<u64>,
     pub mip: MipFilter,
     pub beyond: Beyond,
     pub solver: Solver,
@@ -55,6 +59,8 @@ const SOLVERS: &[(&str, Solver)] = &[
 ];
 const RANGES: &[(&str, Range)] =
     &[("unorm8", Range::Unorm8), ("scaled16", Range::Scaled16), ("float16", Range::Float16)];
+/// More than any set of textures has.
+const TEXELS_MAX: u64 = 1 << 32;
 const ROUNDINGS: &[(&str, Rounding)] = &[("nearest", Rounding::Nearest), ("rules", Rounding::Rules)];
 const COORDINATES: &[(&str, Coordinates)] = &[("4d", Coordinates::Scaled), ("indexed", Coordinates::Indexed)];
 
@@ -103,6 +109,24 @@ pub const OPTIONS: &[OptionSpec] = &[
         rungs: &[],
         allowed: "area:F with F in 0.001..=64 (texels per source texel), fixed:R with R in 0..=12 (sides of 2^R segments), density:D with D in 1e-6..=1e9 (texels per world unit)",
         doc: "How many samples a face gets",
+    },
+    OptionSpec {
+        name: "max-error",
+        value_name: "CODES",
+        default: "none",
+        follows_quality: false,
+        rungs: &[],
+        allowed: "none, or 0.01..=255 (8-bit codes: root mean square over a face, and four times that anywhere)",
+        doc: "Faces get as few samples as show every channel within this of the source, at most as many as by `resolution`",
+    },
+    OptionSpec {
+        name: "texels",
+        value_name: "COUNT",
+        default: "none",
+        follows_quality: false,
+        rungs: &[],
+        allowed: "none, or 1..=4294967296 (texels of level 0 of one channel, all materials together)",
+        doc: "A budget, spent over all faces and channels where it takes away most error; faces get at most as many samples as by `resolution` and `max-error`",
     },
     OptionSpec {
         name: "mip",
@@ -176,6 +200,8 @@ impl Options {
             quality,
             sampling: Sampling::Point,
             resolution: Resolution::Area(1.0),
+            max_error: None,
+            texels: None,
             mip: MipFilter::Area,
             beyond: Beyond::Heat,
             solver: Solver::Global,
@@ -195,7 +221,12 @@ impl Options {
 
     /// Sets every rung to those of a preset.
     fn set_quality(&mut self, quality: Quality) {
-        *self = Self { cut_codes: self.cut_codes, ..Self::of(quality) };
+        *self = Self {
+            cut_codes: self.cut_codes,
+            max_error: self.max_error,
+            texels: self.texels,
+            ..Self::of(quality)
+        };
     }
 
     /// Sets one option from its text form. `quality` sets all rungs, so it comes before them.
@@ -208,6 +239,11 @@ impl Options {
             "quality" => self.set_quality(named(QUALITIES, value).ok_or_else(refuse)?),
             "sampling" => self.sampling = parse_sampling(value).ok_or_else(refuse)?,
             "resolution" => self.resolution = parse_resolution(value).ok_or_else(refuse)?,
+            "max-error" => self.max_error = optional(value, |value| in_range(value, 0.01, 255.0)).ok_or_else(refuse)?,
+            "texels" => {
+                let count = |value: &str| value.parse().ok().filter(|count| (1..=TEXELS_MAX).contains(count));
+                self.texels = optional(value, count).ok_or_else(refuse)?;
+            }
             "mip" => self.mip = named(MIP_FILTERS, value).ok_or_else(refuse)?,
             "beyond" => self.beyond = named(BEYONDS, value).ok_or_else(refuse)?,
             "solver" => self.solver = named(SOLVERS, value).ok_or_else(refuse)?,
@@ -259,6 +295,8 @@ impl Options {
             name_of(QUALITIES, self.quality).into(),
             sampling.into(),
             resolution.into(),
+            self.max_error.map_or("none".into(), |codes| f64::from(codes).into()),
+            self.texels.map_or("none".into(), Value::from),
             name_of(MIP_FILTERS, self.mip).into(),
             name_of(BEYONDS, self.beyond).into(),
             name_of(SOLVERS, self.solver).into(),
@@ -310,6 +348,11 @@ fn parse_resolution(value: &str) -> Option<Resolution> {
         "density" => in_range(figure, 1e-6, 1e9).map(Resolution::Density),
         _ => None,
     }
+}
+
+/// `none`, or what `parse` makes of the value; `None` where it makes nothing of it.
+fn optional<T>(value: &str, parse: impl Fn(&str) -> Option<T>) -> Option<Option<T>> {
+    if value == "none" { Some(None) } else { parse(value).map(Some) }
 }
 
 fn in_range(value: &str, low: f32, high: f32) -> Option<f32> {

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 use crate::asset::{AlphaMode, Asset, Primitive, Slot, TextureRef};
 use crate::image::{Image, Transfer, Wrap, WrapMode, bilinear};
 use crate::math::frame::Frame;
-use crate::mesh::{CanvasFace, CanvasMesh, Drawn, surface_point};
+use crate::mesh::{CanvasFace, CanvasMesh, Drawn, Merged, surface_point};
 
 use super::tangents;
 
@@ -120,6 +120,15 @@ impl<'a> SurfaceSource<'a> {
         Self { channel, places: places.collect(), frames }
     }
 
+    /// The same channel on a canvas whose triangles stand in pairs.
+    pub fn merged(&self, merged: &Merged) -> Self {
+        Self {
+            channel: self.channel,
+            places: merged_drawings(&self.places, merged),
+            frames: if self.frames.is_empty() { Vec::new() } else { merged_drawings(&self.frames, merged) },
+        }
+    }
+
     /// Corner places of a face's drawn triangles in texels.
     pub fn places(&self, face: usize) -> &Drawings<Vec2> {
         &self.places[face]
@@ -186,6 +195,18 @@ pub fn edge_ends(corner_count: usize, edge: usize) -> (usize, [usize; 2]) {
 fn drawings<T: Copy>(face: &CanvasFace, of: impl Fn(&Drawn) -> [T; 3]) -> Drawings<T> {
     let first = of(&face.drawn[0]);
     if face.is_triangle() { [first; 2] } else { [first, of(&face.drawn[1])] }
+}
+
+/// What stands at the corners of faces, by the faces of a canvas whose triangles stand in pairs.
+fn merged_drawings<T: Copy>(old: &[Drawings<T>], merged: &Merged) -> Vec<Drawings<T>> {
+    let of_face = |(face, &(first, second)): (&CanvasFace, &(u32, Option<u32>))| {
+        let Some(second) = second else { return old[first as usize] };
+        let turned = |triangle: usize, of: u32| {
+            face.drawn[triangle].corners.map(|corner| old[of as usize][0][usize::from(corner)])
+        };
+        [turned(0, first), turned(1, second)]
+    };
+    merged.canvas.faces.iter().zip(&merged.old_faces).map(of_face).collect()
 }
 
 /// A stored normal (codes in [0, 1]) to an object-space unit normal.
