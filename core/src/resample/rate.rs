@@ -2,8 +2,10 @@
 //!
 //! The source is read once on the finest grid that a face may have. There every coarser grid is judged at some of the
 //! points: its samples are every so many-th of the finest's, and between them it is bilinear (on a triangle linear). The finest itself is
-//! judged in the middles of its cells. Errors are in 8-bit codes, by the slope of the code at the source's value;
-//! that an edge takes the smaller exponent of its faces is left out.
+//! judged in the middles of its cells. Errors are in 8-bit codes. That an edge takes the smaller exponent of its faces
+//! is left out.
+
+use std::sync::LazyLock;
 
 use glam::Vec4;
 use rayon::prelude::*;
@@ -11,17 +13,17 @@ use rayon::prelude::*;
 use crate::colors::{Resolutions, Shape};
 use crate::error::Result;
 use crate::image::Transfer;
-use crate::math::transfer::srgb_slope;
+use crate::math::transfer::linear_to_srgb;
 use crate::mesh::CanvasMesh;
 use crate::source::{FaceReader, SurfaceSource};
 use crate::watch::{self, Watch};
 
 /// The finest grid that is read has sides of `2^10` segments. A face that has finer ones keeps them or gets one coarser than that.
 const EXPONENT_READ_MAX: u8 = 10;
-/// Points at which a face is judged, about.
-const POINTS: f32 = 400.0;
+/// Points at which a face is judged, at most about.
+const POINTS: f32 = 150.0;
 /// A face's two exponents may differ from those of its finest grid by so many levels more along one axis than along the other.
-const LEAN: i32 = 2;
+const LEAN: i32 = 1;
 
 /// An error over one face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -116,11 +118,12 @@ fn candidates(finest: [u8; 2], is_elongated: bool, all: &mut Vec<[u8; 2]>) {
     }
 }
 
-/// A point of the finest grid: its place, the source there, and what a difference of 1 in linear values is in codes.
+/// A point of the finest grid: its place, and the source there in codes.
 struct Point {
     at: [u32; 2],
-    value: Vec4,
     codes: Vec4,
+    /// What its color counts for.
+    weight: f32,
 }
 
 /// Room to judge faces in, one after the other.
@@ -204,7 +207,7 @@ impl Judge {
                     false => (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) * 0.25,
                 };
                 let wanted = self.middles[(j * n + i) as usize];
-                sum.add((shown - wanted) * codes(meaning, wanted));
+                sum.add(meaning.codes(shown) - meaning.codes(wanted), meaning.weight(wanted));
             }
         }
         sum.error(meaning)
@@ -218,7 +221,8 @@ impl Judge {
             // Shifted from row to row, so that no column goes without.
             for i in (j as usize / stride % stride..shape.point_count(j) as usize).step_by(stride) {
                 let value = self.grid[j as usize * (n as usize + 1) + i];
-                self.points.push(Point { at: [i as u32, j], value, codes: codes(meaning, value) });
+                let (codes, weight) = (meaning.codes(value), meaning.weight(value));
+                self.points.push(Point { at: [i as u32, j], codes, weight });
             }
         }
     }
@@ -243,7 +247,7 @@ impl Judge {
             } else {
                 at(1, 1) + (at(0, 1) - at(1, 1)) * (1.0 - x) + (at(1, 0) - at(1, 1)) * (1.0 - y)
             };
-            sum.add((shown - point.value) * point.codes);
+            sum.add(meaning.codes(shown) - point.codes, point.weight);
         }
         sum.error(meaning)
     }
@@ -251,21 +255,42 @@ impl Judge {
 
 /// From point to point along both axes: odd, so that it meets the points of every coarser grid and those between.
 fn stride(shape: Shape) -> usize {
-    let points = 2.0 * shape.square_count() / if shape.is_triangle { 1.0 } else { 2.0 };
-    let stride = (points / POINTS).sqrt().floor().max(1.0) as usize;
+    let stride = (shape.square_count() / POINTS).sqrt().ceil().max(1.0) as usize;
     stride | 1
 }
 
-/// What a difference of 1 in each component is in codes.
-fn codes(meaning: Meaning, value: Vec4) -> Vec4 {
-    if meaning.is_normal {
-        return Vec4::splat(127.5).with_w(0.0);
+impl Meaning {
+    /// A value in codes; alpha 0 where it does not count.
+    fn codes(self, value: Vec4) -> Vec4 {
+        if self.is_normal {
+            return (value * 127.5).with_w(0.0);
+        }
+        let color = match self.transfer {
+            Transfer::Srgb => srgb_codes(value),
+            Transfer::Linear => value * 255.0,
+        };
+        color.with_w(if self.by_alpha { value.w * 255.0 } else { 0.0 })
     }
-    let color = match meaning.transfer {
-        Transfer::Srgb => value.map(srgb_slope) * 255.0,
-        Transfer::Linear => Vec4::splat(255.0),
-    };
-    if meaning.by_alpha { (color * value.w).with_w(255.0) } else { color.with_w(0.0) }
+
+    /// What the color of a point counts for.
+    fn weight(self, value: Vec4) -> f32 {
+        if self.by_alpha { value.w } else { 1.0 }
+    }
+}
+
+/// Entries of [`SRGB_CODES`].
+const CODE_STEPS: usize = 2048;
+/// 8-bit sRGB codes, with fractions, by the square root of the linear value, which they are nearly in proportion to.
+static SRGB_CODES: LazyLock<Vec<f32>> = LazyLock::new(|| {
+    let code = |step: usize| 255.0 * linear_to_srgb((step as f32 / CODE_STEPS as f32).powi(2));
+    (0..=CODE_STEPS).map(code).collect()
+});
+
+/// Within a tenth of a code.
+fn srgb_codes(value: Vec4) -> Vec4 {
+    let table = &SRGB_CODES;
+    let steps = value.clamp(Vec4::ZERO, Vec4::ONE).map(f32::sqrt) * CODE_STEPS as f32 + 0.5;
+    Vec4::new(table[steps.x as usize], table[steps.y as usize], table[steps.z as usize], 0.0)
 }
 
 #[derive(Default)]
@@ -276,7 +301,8 @@ struct Sum {
 }
 
 impl Sum {
-    fn add(&mut self, codes: Vec4) {
+    fn add(&mut self, difference: Vec4, weight: f32) {
+        let codes = difference * Vec4::splat(weight).with_w(1.0);
         self.squares += codes * codes;
         self.peak = self.peak.max(codes.abs());
         self.count += 1;
