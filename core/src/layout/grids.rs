@@ -14,6 +14,13 @@ const WIDTHS_TRIED: u32 = 192;
 /// The narrowest and the widest of them, as shares of the square's side.
 const WIDTH_SHARES: [f64; 2] = [0.7, 1.4];
 
+/// Grids of up to so many rows, or texels, may have rows that are equally long. They and what stands beside them are one
+/// band.
+const EVEN_ROWS_MAX: u32 = 8;
+const SMALL_TEXELS: u64 = 1 << 17;
+/// So many of the best widths are looked at more closely.
+const REFINED_COUNT: usize = 24;
+
 /// Where a class stands at a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClassGrid {
@@ -89,11 +96,31 @@ struct Grid {
     footprint: [u32; 2],
     columns: u32,
     origin: [u32; 2],
-    /// Whether it stands in what another grid's last row left free.
-    is_guest: bool,
 }
 
 impl Grid {
+    /// The columns with which it stands in a gap, if it does.
+    fn columns_in(&self, gap: &Gap) -> Option<u32> {
+        let count = self.blocks.len() as u32;
+        let columns = (gap.size[0] / self.footprint[0]).min(count);
+        (columns > 0 && count.div_ceil(columns) * self.footprint[1] <= gap.size[1]).then_some(columns)
+    }
+
+    /// What it leaves of the gap that it stands in: right of it, below it, and behind its last block.
+    fn gaps_left(&self, gap: &Gap) -> [Gap; 3] {
+        let [width, height] = [self.width(), self.height()];
+        let [x, y] = gap.origin;
+        let behind = match self.blocks.len() as u32 % self.columns {
+            0 => 0,
+            last_row => self.columns - last_row,
+        } * self.footprint[0];
+        [
+            Gap { origin: [x + width, y], size: [gap.size[0] - width, gap.size[1]] },
+            Gap { origin: [x, y + height], size: [width, gap.size[1] - height] },
+            Gap { origin: [x + width - behind, y + height - self.footprint[1]], size: [behind, self.footprint[1]] },
+        ]
+    }
+
     fn row_count(&self) -> u32 {
         (self.blocks.len() as u32).div_ceil(self.columns)
     }
@@ -132,63 +159,68 @@ impl LevelSet {
         let texels = |grid: &Grid| u64::from(grid.footprint[0]) * u64::from(grid.footprint[1]) * grid.blocks.len() as u64;
         let side = (grids.iter().map(texels).sum::<u64>() as f64).sqrt();
         let widest_block = grids.iter().map(|grid| grid.footprint[0]).max().unwrap_or(1);
-        let [low, high] = WIDTH_SHARES.map(|share| ((side * share) as u32).clamp(widest_block, side_limit.max(widest_block)));
+        let [low, high] =
+            WIDTH_SHARES.map(|share| ((side * share) as u32).clamp(widest_block, side_limit.max(widest_block)));
         let step = ((high - low) / WIDTHS_TRIED).max(1);
-        let tried = (low..=high).step_by(step as usize).map(|width| Self::of_width(&grids, width));
         let key = |set: &Self| {
             let [width, height] = set.size();
             (width.max(height) > side_limit, u64::from(width) * u64::from(height), width)
         };
-        tried.min_by_key(key).unwrap_or(Self { grids: Vec::new() })
+        let can_be_even = |width: u32, grid: &Grid| {
+            let columns = (width / grid.footprint[0]).max(1);
+            (grid.blocks.len() as u32).div_ceil(columns) <= EVEN_ROWS_MAX || texels(grid) <= SMALL_TEXELS
+        };
+        let mut tried = Vec::new();
+        for width in (low..=high).step_by(step as usize) {
+            let even: Vec<bool> = grids.iter().map(|grid| can_be_even(width, grid)).collect();
+            for even in [vec![false; grids.len()], even] {
+                tried.push((key(&Self::of_width(&grids, width, &even)), width, even));
+            }
+        }
+        tried.sort_by_key(|(key, ..)| *key);
+        tried.truncate(REFINED_COUNT);
+        // Of the best the other way for one grid after the other.
+        let refined = tried.into_iter().map(|(mut least, width, mut even)| {
+            for number in 0..grids.len() {
+                even[number] = !even[number] && can_be_even(width, &grids[number]);
+                let changed = key(&Self::of_width(&grids, width, &even));
+                if changed < least {
+                    least = changed;
+                } else {
+                    even[number] = !even[number] && can_be_even(width, &grids[number]);
+                }
+            }
+            (least, width, even)
+        });
+        let best = refined.min_by_key(|(key, ..)| *key);
+        best.map_or(Self { grids: Vec::new() }, |(_, width, even)| Self::of_width(&grids, width, &even))
     }
 
-    /// Grids one under the other, as wide as allowed, and such as fit in there beside the last rows of others.
-    fn of_width(sorted: &[Grid], width: u32) -> Self {
+    /// Grids one under the other, and such as fit in there beside others. Rows of those that are `even` are equally
+    /// long, so that what is free is one high piece at the right, not the end of the last row.
+    fn of_width(sorted: &[Grid], width: u32, even: &[bool]) -> Self {
         let mut grids = Vec::with_capacity(sorted.len());
         let mut gaps: Vec<Gap> = Vec::new();
         let mut bottom = 0;
-        for grid in sorted {
-            let count = grid.blocks.len() as u32;
-            let [block_width, block_height] = grid.footprint;
-            let in_gap = |gap: &Gap| {
-                let columns = (gap.size[0] / block_width).min(count);
-                (columns > 0 && count.div_ceil(columns) * block_height <= gap.size[1]).then_some(columns)
-            };
+        for (grid, &is_even) in sorted.iter().zip(even) {
             let host = (0..gaps.len())
-                .filter_map(|k| in_gap(&gaps[k]).map(|columns| (k, columns)))
+                .filter_map(|k| grid.columns_in(&gaps[k]).map(|columns| (k, columns)))
                 .min_by_key(|&(k, _)| gaps[k].size[0] * gaps[k].size[1]);
-            let placed = match host {
-                Some((k, columns)) => {
-                    let gap = gaps.swap_remove(k);
-                    let placed = Grid { columns, origin: gap.origin, is_guest: true, ..grid.clone() };
-                    let taken = placed.width();
-                    gaps.push(Gap {
-                        origin: [gap.origin[0] + taken, gap.origin[1]],
-                        size: [gap.size[0] - taken, gap.size[1]],
-                    });
-                    gaps.push(Gap {
-                        origin: [gap.origin[0], placed.bottom()],
-                        size: [taken, gap.size[1] - placed.height()],
-                    });
-                    placed
-                }
+            let (gap, columns) = match host {
+                Some((k, columns)) => (gaps.swap_remove(k), columns),
                 None => {
-                    let columns = width / block_width;
-                    let placed = Grid { columns, origin: [0, bottom], is_guest: false, ..grid.clone() };
-                    bottom += placed.height();
-                    placed
+                    let count = grid.blocks.len() as u32;
+                    let most = (width / grid.footprint[0]).min(count);
+                    let rows = count.div_ceil(most);
+                    let columns = if is_even { count.div_ceil(rows) } else { most };
+                    let size = [width, count.div_ceil(columns) * grid.footprint[1]];
+                    let gap = Gap { origin: [0, bottom], size };
+                    bottom += size[1];
+                    (gap, columns)
                 }
             };
-            // The end of the last row.
-            let rest = count % placed.columns;
-            if rest > 0 && placed.row_count() > 1 || !placed.is_guest && rest > 0 {
-                let left = placed.origin[0] + rest * block_width;
-                let right = if placed.is_guest { placed.origin[0] + placed.width() } else { width };
-                gaps.push(Gap {
-                    origin: [left, placed.bottom() - block_height],
-                    size: [right - left, block_height],
-                });
-            }
+            let placed = Grid { columns, origin: gap.origin, ..grid.clone() };
+            gaps.extend(placed.gaps_left(&gap));
             grids.push(placed);
         }
         Self { grids }
@@ -201,22 +233,26 @@ impl LevelSet {
         [width, height]
     }
 
-    /// Each row of a grid, its last one with all that stand in the end of it.
+    /// Rows of blocks, those together that stand beside each other.
     fn bands(&self) -> Vec<Band> {
-        let mut bands = Vec::new();
-        for host in self.grids.iter().filter(|grid| !grid.is_guest) {
-            let row = |row: u32| {
-                let first = host.blocks.start + (row * host.columns) as usize;
-                first..(first + host.columns as usize).min(host.blocks.end)
-            };
-            bands.extend((0..host.row_count()).map(|number| Band {
-                first_row: host.origin[1] + number * host.footprint[1],
-                blocks: std::iter::once(row(number)).collect(),
-            }));
-        }
-        for guest in self.grids.iter().filter(|grid| grid.is_guest) {
-            let last = bands.partition_point(|band| band.first_row <= guest.origin[1]) - 1;
-            bands[last].blocks.push(guest.blocks.clone());
+        let rows_of = |grid: &Grid| {
+            let grid = grid.clone();
+            (0..grid.row_count()).map(move |row| {
+                let first = grid.blocks.start + (row * grid.columns) as usize;
+                let blocks = first..(first + grid.columns as usize).min(grid.blocks.end);
+                (grid.origin[1] + row * grid.footprint[1], grid.footprint[1], blocks)
+            })
+        };
+        let mut rows: Vec<(u32, u32, Range<usize>)> = self.grids.iter().flat_map(rows_of).collect();
+        rows.sort_by_key(|row| (row.0, row.2.start));
+        let mut bands: Vec<Band> = Vec::new();
+        let mut end = 0;
+        for (first_row, height, blocks) in rows {
+            match bands.last_mut().filter(|_| first_row < end) {
+                Some(band) => band.blocks.push(blocks),
+                None => bands.push(Band { first_row, blocks: std::iter::once(blocks).collect() }),
+            }
+            end = end.max(first_row + height);
         }
         bands
     }
@@ -256,7 +292,6 @@ fn grids(classes: &[Class], level: usize) -> Vec<Grid> {
                 footprint,
                 columns: 1,
                 origin: [0; 2],
-                is_guest: false,
             }),
         }
         first_block = end_block;
