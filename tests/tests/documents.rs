@@ -173,8 +173,7 @@ fn commands_in_the_readme_exist() {
 }
 
 /// Stands in every bundle, not in the repository.
-const IN_BUNDLES: [&str; 2] =
-    ["shaders/mesh_color_texture.wgsl", "shaders/mesh_color_texture_indexed.wgsl"];
+const IN_BUNDLES: [&str; 2] = ["shaders/mesh_color_texture.wgsl", "shaders/mesh_color_texture_indexed.wgsl"];
 
 #[test]
 fn paths_in_documents_lead_somewhere() {

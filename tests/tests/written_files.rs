@@ -86,7 +86,7 @@ fn judge(name: &str, upload: &Upload) {
     let asset = load(upload);
     let finished = made_up(&asset);
     assert!(!finished.primitives.is_empty(), "{name} has nothing to convert");
-    let glb = meshcolor::write::glb(&asset, &finished, &Unwatched).unwrap();
+    let glb = meshcolor::write::glb(&asset, &finished, &Unwatched).unwrap().bytes;
     validator::expect_valid(name, &glb, true);
 
     let back = load(&Upload::single("asset.glb", glb));
@@ -132,7 +132,7 @@ fn a_model_without_anything_converted_passes_through() {
     for name in ["DamagedHelmet.glb", "Fox.glb"] {
         let Some(bytes) = models::bytes(name) else { return };
         let asset = load(&Upload::single(name, bytes));
-        let glb = meshcolor::write::glb(&asset, &Finished::default(), &Unwatched).unwrap();
+        let glb = meshcolor::write::glb(&asset, &Finished::default(), &Unwatched).unwrap().bytes;
         // The source has warnings of its own.
         validator::expect_valid(name, &glb, false);
         let back = load(&Upload::single(name, glb));
@@ -146,7 +146,7 @@ fn a_model_without_anything_converted_passes_through() {
 fn an_obj_model_without_anything_converted_is_valid() {
     let Some(bytes) = models::bytes("monsterfrog.obj") else { return };
     let asset = load(&Upload::single("monsterfrog.obj", bytes));
-    let glb = meshcolor::write::glb(&asset, &Finished::default(), &Unwatched).unwrap();
+    let glb = meshcolor::write::glb(&asset, &Finished::default(), &Unwatched).unwrap().bytes;
     validator::expect_valid("monsterfrog", &glb, true);
     let triangle_count = |asset: &Asset| -> usize {
         let primitives = asset.meshes.iter().flat_map(|mesh| &mesh.primitives);
