@@ -3,6 +3,8 @@
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use glam::Vec2;
+use meshcolor::finished::Anchor;
 use meshcolor::image::{LevelRange, Pixels, Transfer};
 use meshcolor::measure::SolverReport;
 use meshcolor::pipeline::Conversion;

@@ -110,9 +110,9 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     let glb = write::glb(asset, &finished, watch)?;
     let focus = measured.focus;
     let converted = report::Converted { asset, finished: &finished, materials: &materials };
-    let report = report::of_conversion(&converted, measured, options, glb.len() as u64);
+    let report = report::of_conversion(&converted, measured, options, &glb);
     let files = vec![
-        BundleFile { path: "asset.glb".into(), bytes: glb },
+        BundleFile { path: "asset.glb".into(), bytes: glb.bytes },
         BundleFile { path: "report.json".into(), bytes: report::to_bytes(&report)? },
     ];
     watch.progress(1.0);

@@ -45,12 +45,12 @@ pub fn of_conversion(
     converted: &Converted<'_>,
     measured: Measured,
     options: &Options,
-    converted_bytes: u64,
+    glb: &write::Glb,
 ) -> Report {
     let Converted { asset, finished, materials } = *converted;
     let mut report = of_check(asset, SubjectKind::Converted, Some(finished), measured, options);
-    report.growth.converted_bytes = converted_bytes;
-    report.growth.converted_vertices = write::vertex_count(asset, finished);
+    report.growth.converted_bytes = glb.bytes.len() as u64;
+    report.growth.converted_vertices = glb.vertex_count;
     report.warnings.extend(write::losses(asset, finished));
     report.warnings.extend(report.channels.iter().filter_map(unsolved));
     report.warnings.extend(materials.iter().flat_map(unfitted));

@@ -7,6 +7,7 @@ use crate::asset::{Asset, Attribute, Primitive};
 use crate::error::{Error, Result, Warning};
 use crate::finished::{Coordinates, EXTENSION, Finished, FinishedPrimitive};
 
+use super::alike::{self, Kept};
 use super::coordinates;
 use super::draft::{Draft, index, member, remove_extension};
 use super::materials::{Converted, Materials, variants};
@@ -32,17 +33,21 @@ impl Target<'_> {
         format!("/meshes/{}/primitives/{}", self.mesh, self.primitive)
     }
 
-    /// Replaces geometry and coordinates by the converted ones; everything else in the primitive stays.
+    /// Replaces geometry and coordinates by the converted ones; everything else in the primitive stays. Returns
+    /// the number of vertices.
     pub fn write_converted(
         &self,
         draft: &mut Draft<'_>,
         materials: &mut Materials,
         piece: &FinishedPrimitive,
-    ) -> Result<()> {
+    ) -> Result<usize> {
         let converted = materials.converted(piece.material).ok_or_else(|| {
             Error::internal("a converted primitive's material has no converted texture").at(self.place())
         })?;
-        let corners = Corners::distinct(piece);
+        let framed = !piece.frames.is_empty();
+        let kept =
+            Kept { normals: !framed, tangents: !framed && converted.keeps_tangents, sets: &converted.sets };
+        let corners = Corners::distinct(piece, &alike::firsts(self.source(), &kept));
         let attributes = self.converted_attributes(draft, converted, &corners, &piece.coordinates);
         let targets = self.targets(draft, converted, &corners);
         let indices = vertices::add_indices(draft, &corners.indices, corners.corners.len());
@@ -77,7 +82,7 @@ impl Target<'_> {
                 materials.copy(draft, material, Some(piece.material))
             }
         });
-        Ok(())
+        Ok(corners.corners.len())
     }
 
     /// Leaves a glTF primitive as it is; one of a made-up document gets its data.

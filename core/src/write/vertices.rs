@@ -32,13 +32,14 @@ pub struct Corners {
 }
 
 impl Corners {
-    pub fn distinct(piece: &FinishedPrimitive) -> Self {
+    /// `firsts`: for each vertex of the source the one that is written for it.
+    pub fn distinct(piece: &FinishedPrimitive, firsts: &[u32]) -> Self {
         let mut this = Self { corners: Vec::new(), indices: Vec::with_capacity(piece.triangles.len() * 3) };
         let mut numbers: HashMap<[u32; 12], u32> = HashMap::new();
         for (number, triangle) in piece.triangles.iter().enumerate() {
             for k in 0..3 {
                 let corner = Corner {
-                    vertex: triangle.vertices[k],
+                    vertex: firsts[triangle.vertices[k] as usize],
                     at: triangle.corners[k],
                     anchor: triangle.anchor,
                     frame: piece.frames.get(number).map(|frames| frames[k]),

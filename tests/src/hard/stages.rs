@@ -145,8 +145,15 @@ impl Stages<'_> {
             ranges: Default::default(),
             levels,
         };
-        let piece =
-            FinishedPrimitive { mesh: 0, primitive: 0, material: 0, triangles, frames: vec![], cuts: vec![] };
+        let piece = FinishedPrimitive {
+            mesh: 0,
+            primitive: 0,
+            material: 0,
+            coordinates: Coordinates::Scaled,
+            triangles,
+            frames: vec![],
+            cuts: vec![],
+        };
         let primitive =
             Primitive { material: Some(0), positions: self.patch.positions.clone(), ..Primitive::default() };
         let mesh = Mesh { name: String::new(), primitives: vec![primitive] };

@@ -239,7 +239,7 @@ pub fn finished(asset: &Asset) -> Finished {
 pub fn converted() -> (Asset, Finished, Vec<u8>) {
     let asset = parse::asset(&source_glb());
     let finished = finished(&asset);
-    let glb = super::super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap();
+    let glb = super::super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap().bytes;
     (asset, finished, glb)
 }
 

@@ -8,7 +8,7 @@ use crate::asset::{Asset, Attribute, Document, EncodedImage};
 use crate::error::ErrorCode;
 use crate::finished::{Anchor, Coordinates, Finished, extract, hand_made};
 use crate::watch::Unwatched;
-use crate::write::{glb, vertex_count};
+use crate::write::glb;
 
 /// The sheet with a document to write it into.
 fn sheet() -> (Asset, Finished) {
@@ -32,7 +32,7 @@ fn sheet() -> (Asset, Finished) {
 }
 
 fn written(asset: &Asset, finished: &Finished) -> Vec<u8> {
-    glb(asset, finished, &Unwatched).unwrap()
+    glb(asset, finished, &Unwatched).unwrap().bytes
 }
 
 fn extension(json: &Value) -> &Value {
@@ -87,9 +87,36 @@ fn the_table_stands_in_the_extension_as_the_bundle_says() {
 #[test]
 fn inner_corners_of_a_larger_block_are_shared() {
     let (asset, finished) = sheet();
-    let back = parse::asset(&written(&asset, &finished));
-    assert_eq!(back.meshes[0].primitives[0].positions.len(), hand_made::VERTEX_COUNT);
-    assert_eq!(vertex_count(&asset, &finished), hand_made::VERTEX_COUNT as u64);
+    let vertices = |asset: &Asset, finished: &Finished| {
+        let glb = glb(asset, finished, &Unwatched).unwrap();
+        let back = parse::asset(&glb.bytes);
+        assert_eq!(back.meshes[0].primitives[0].positions.len() as u64, glb.vertex_count);
+        glb.vertex_count
+    };
+    assert_eq!(vertices(&asset, &finished), hand_made::VERTEX_COUNT as u64);
+    // The second quad as its neighbor's mirror image: their common corners differ by the block alone.
+    let mut mirrored = finished.clone();
+    for triangle in &mut mirrored.primitives[0].triangles[2..4] {
+        triangle.corners = triangle.corners.map(|corner| Vec2::new(1.0 - corner.x, corner.y));
+    }
+    assert_eq!(vertices(&asset, &mirrored), hand_made::VERTEX_COUNT as u64);
+}
+
+/// A chart's border runs through the larger block: its vertices are there twice, told apart by what is not
+/// written any more.
+#[test]
+fn corners_are_shared_across_charts_of_the_source() {
+    let (mut asset, mut finished) = sheet();
+    let primitive = &mut asset.meshes[0].primitives[0];
+    let count = primitive.positions.len() as u32;
+    primitive.positions.extend_from_within(..);
+    let twins = primitive.texcoords[0].iter().map(|uv| 1.0 - *uv).collect::<Vec<_>>();
+    primitive.texcoords[0].extend(twins);
+    for triangle in finished.primitives[0].triangles.iter_mut().skip(9) {
+        triangle.vertices = triangle.vertices.map(|vertex| vertex + count);
+    }
+    let glb = glb(&asset, &finished, &Unwatched).unwrap();
+    assert_eq!(glb.vertex_count, hand_made::VERTEX_COUNT as u64);
 }
 
 /// The accessor of the local coordinates, and the stride of its view.
@@ -189,8 +216,11 @@ fn attributes_of_indexed_coordinates_are_complete_and_sound() {
         expect(block(value, 0), at, "triangle 0: number and class have to be whole numbers");
         expect(block(value, 4), at, "triangle 0: number and class have to be whole numbers");
     }
-    expect(block(1.0, 8), at, "triangle 0: number and class have to be the same at all three corners");
-    expect(block(1.0, 12), at, "triangle 0: number and class have to be the same at all three corners");
+    // Of the second corner both, of the third the number.
+    for byte in [8, 12, 16] {
+        let rule = "triangle 0: number and class have to be the same at all three corners";
+        expect(block(1.0, byte), at, rule);
+    }
     let far = lie(|asset| attribute(asset, "_MCT_LOCAL").bytes[0] = 2);
     expect(
         far,

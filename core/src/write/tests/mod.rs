@@ -99,7 +99,7 @@ fn what_only_replaced_things_used_is_swept_out() {
     let primitives = asset.document.json["meshes"][0]["primitives"].as_array_mut().unwrap();
     primitives.pop();
     finished.primitives[0].cuts.clear();
-    let glb = super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap();
+    let glb = super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap().bytes;
     let (json, bin) = parse::split(&glb);
     let count = |name: &str| json[name].as_array().map_or(0, Vec::len);
     assert_eq!((count("textures"), count("images"), count("samplers")), (1 + 3, 1 + 9, 1 + 1));
@@ -120,7 +120,7 @@ fn a_file_with_an_unknown_extension_stays_in_place() {
     let mut asset = parse::asset(&source);
     asset.document.json["nodes"][0]["extensions"]["ACME_pointer"]["accessor"] = 2.into();
     let finished = fixture::finished(&asset);
-    let glb = super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap();
+    let glb = super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap().bytes;
     let (json, _) = parse::split(&glb);
     for name in ["accessors", "textures", "images", "samplers"] {
         let before = asset.document.json[name].as_array().unwrap();
@@ -134,7 +134,7 @@ fn the_same_bytes_with_any_number_of_threads() {
     let (asset, finished, glb) = fixture::converted();
     for threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let again = pool.install(|| super::glb(&asset, &finished, &crate::watch::Unwatched)).unwrap();
+        let again = pool.install(|| super::glb(&asset, &finished, &crate::watch::Unwatched)).unwrap().bytes;
         assert!(again == glb);
     }
 }
