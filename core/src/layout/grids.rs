@@ -12,7 +12,7 @@ use super::{Band, Block, Class, Layout, LayoutRequest, Place, SIDE_MAX, TWIN_SHI
 /// Widths that are tried for a level, around that of a square.
 const WIDTHS_TRIED: u32 = 192;
 /// The narrowest and the widest of them, as shares of the square's side.
-const WIDTH_SHARES: [f64; 2] = [0.7, 1.4];
+const WIDTH_SHARES: [f64; 2] = [0.5, 1.2];
 
 /// Grids of up to so many rows, or texels, may have rows that are equally long. They and what stands beside them are one
 /// band.

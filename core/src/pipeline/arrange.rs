@@ -36,7 +36,8 @@ pub fn arrange_all(
 ) -> Result<Vec<Arranged>> {
     let is_elongated = options.coordinates == Coordinates::Indexed;
     let finest = |material: &Prepared<'_>| {
-        resolutions(options.resolution, is_elongated, asset, &material.canvas, &material.sources)
+        let all = resolutions(options.resolution, is_elongated, asset, &material.canvas, &material.sources);
+        if options.texels.is_some() && options.max_error.is_none() { all.finer() } else { all }
     };
     let finest: Vec<Resolutions> = materials.iter().map(finest).collect();
     let set = |resolutions: Vec<Resolutions>| -> Result<Vec<Arranged>> {

@@ -126,7 +126,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         follows_quality: false,
         rungs: &[],
         allowed: "none, or 1..=4294967296 (texels of level 0 of one channel, all materials together)",
-        doc: "A budget, spent over all faces and channels where it takes away most error; faces get at most as many samples as by `resolution` and `max-error`",
+        doc: "A budget, spent over all faces and channels where it takes away most error; a face gets at most four times the texels that `resolution` gives it, or as many as by `max-error`",
     },
     OptionSpec {
         name: "mip",

@@ -58,6 +58,14 @@ pub fn resolutions(
     Resolutions { faces: faces.collect() }
 }
 
+impl Resolutions {
+    /// One exponent more along each axis: four times the texels.
+    pub fn finer(&self) -> Self {
+        let more = |exponent: u8| (exponent + 1).min(EXPONENT_MAX as u8);
+        Self { faces: self.faces.iter().map(|exponents| exponents.map(more)).collect() }
+    }
+}
+
 fn exponent(segments: f32) -> u8 {
     segments.max(1.0).log2().round().clamp(0.0, EXPONENT_MAX) as u8
 }

@@ -63,6 +63,7 @@ fn table(random: &mut Random) -> BlockTable {
         .collect();
     let levels = (0..LEVEL_COUNT).map(|_| TableLevel {
         columns: classes.iter().map(|_| 1 + random.whole(6.0) as u32).collect(),
+        firsts: classes.iter().map(|_| random.whole(9.0) as u32).collect(),
         origins: classes.iter().map(|_| [random.whole(20.0) as u32, random.whole(20.0) as u32]).collect(),
     });
     let levels = levels.collect();
