@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 use meshcolor::asset::{Asset, Slot};
 use meshcolor::finished::{Anchor, Finished, FinishedTriangle};
 use meshcolor::image::{Image, Pixels};
-use meshcolor::pipeline::{Beyond, Conversion, Options, Resolution, Sampling, check, convert, convert_asset};
+use meshcolor::pipeline::{Beyond, Conversion, Coordinates, Options, Resolution, Sampling, check, convert, convert_asset};
 use meshcolor::read::{Limits, Upload, read};
 use meshcolor::watch::Unwatched;
 use meshcolor_tests::patches::{Corner, Patch, Random, noise, picture, smooth};
@@ -91,10 +91,12 @@ proptest! {
         mip in prop_oneof![Just("uniform"), Just("area")],
         beyond in prop_oneof![Just("one-ring"), Just("heat")],
         cut in prop_oneof![Just("0"), Just("8"), Just("255")],
+        coordinates in prop_oneof![Just("4d"), Just("indexed")],
+        texels in prop_oneof![Just("none"), Just("4000")],
     ) {
         let (patch, picture) = wild(seed);
         let mut options = Options::default();
-        let rungs = [("sampling", sampling), ("resolution", resolution), ("solver", solver), ("mip", mip), ("beyond", beyond), ("cut", cut)];
+        let rungs = [("sampling", sampling), ("resolution", resolution), ("solver", solver), ("mip", mip), ("beyond", beyond), ("cut", cut), ("coordinates", coordinates), ("texels", texels)];
         for (name, value) in rungs {
             options.set(name, value).unwrap();
         }
@@ -113,7 +115,7 @@ proptest! {
     #[test]
     fn ranges_keep_what_the_bounded_format_cannot(seed in any::<u64>(), range in prop_oneof![Just("scaled16"), Just("float16")]) {
         let (patch, picture) = wild(seed);
-        let mut options = Options { cut_codes: 255.0, ..Options::default() };
+        let mut options = Options { cut_codes: 255.0, coordinates: Coordinates::Scaled, ..Options::default() };
         options.set("range", range).unwrap();
         let conversion = converted(&patch.upload(&picture), &options);
         assert_continuous(&conversion)?;
@@ -130,9 +132,13 @@ proptest! {
 
     /// Invariants 2 and 4: no texel is read from two blocks, and samples sit on texel centers.
     #[test]
-    fn blocks_stand_apart_and_exactly(seed in any::<u64>()) {
+    fn blocks_stand_apart_and_exactly(
+        seed in any::<u64>(),
+        coordinates in prop_oneof![Just(Coordinates::Scaled), Just(Coordinates::Indexed)],
+    ) {
         let (patch, picture) = wild(seed);
-        let conversion = converted(&patch.upload(&picture), &Options::default());
+        let options = Options { coordinates, ..Options::default() };
+        let conversion = converted(&patch.upload(&picture), &options);
         prop_assert_eq!(bleeding(&conversion.finished), None);
         for triangle in &conversion.finished.primitives[0].triangles {
             prop_assert!(is_placed_exactly(triangle), "{triangle:?}");
@@ -150,25 +156,27 @@ fn twenty_levels_hold_what_the_first_ones_do() {
     for (seed, beyond) in [(4, Beyond::Heat), (5, Beyond::OneRing)] {
         let (mut patch, picture) = wild(seed);
         patch.positions.iter_mut().for_each(|position| *position *= Vec3::new(1e8, 1e-6, 1e-6));
-        let options = Options { beyond, resolution: Resolution::Area(4.0), ..Options::default() };
-        let conversion = converted(&patch.upload(&picture), &options);
-        assert_eq!(conversion.finished.textures[0].levels.len(), 21);
-        assert_eq!(bleeding(&conversion.finished), None);
-        assert_continuous(&conversion).unwrap();
+        for coordinates in [Coordinates::Scaled, Coordinates::Indexed] {
+            let options = Options { beyond, coordinates, resolution: Resolution::Area(4.0), ..Options::default() };
+            let conversion = converted(&patch.upload(&picture), &options);
+            assert_eq!(conversion.finished.textures[0].levels.len(), 21);
+            assert_eq!(bleeding(&conversion.finished), None);
+            assert_continuous(&conversion).unwrap();
+        }
     }
 }
 
 /// Two triangles of different blocks that read one texel, in words; blocks are told apart by their
-/// offsets, and hold two triangles at most.
+/// offsets or numbers, and hold two triangles at most.
 fn bleeding(finished: &Finished) -> Option<String> {
     let piece = &finished.primitives[0];
-    let block = |triangle: usize| offset(&piece.triangles[triangle]).to_array().map(f32::to_bits);
+    let block = |triangle: usize| block_of(&piece.triangles[triangle]);
     let mut counts = BTreeMap::new();
     for triangle in 0..piece.triangles.len() {
         *counts.entry(block(triangle)).or_insert(0) += 1;
     }
     if let Some((_, count)) = counts.iter().find(|(_, count)| **count > 2) {
-        return Some(format!("{count} triangles have one offset"));
+        return Some(format!("{count} triangles stand in one block"));
     }
     for (level, image) in finished.textures[0].levels.iter().enumerate() {
         let mut readers: BTreeMap<[i64; 2], usize> = BTreeMap::new();
@@ -190,30 +198,33 @@ fn bleeding(finished: &Finished) -> Option<String> {
     None
 }
 
-/// `u_s` spans a square of side `2^r` that begins at a multiple of `2^r`, each corner at a corner of the
+/// Local coordinates are corners of the block's square; or `u_s` spans a square of side `2^r` that begins at a multiple of `2^r`, each corner at a corner of the
 /// square; `u_δ` is whole texels and a half.
 fn is_placed_exactly(triangle: &FinishedTriangle) -> bool {
+    let Anchor::Offset(offset) = triangle.anchor else {
+        return triangle.corners.iter().flat_map(|corner| corner.to_array()).all(|at| at == 0.0 || at == 1.0);
+    };
     let least = triangle.corners.into_iter().fold(Vec2::INFINITY, Vec2::min);
     let most = triangle.corners.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
     let side = most.x - least.x;
     let is_square = side == most.y - least.y && side >= 1.0 && side.log2().fract() == 0.0;
     let is_multiple = (least / side).fract() == Vec2::ZERO && least.min_element() >= 0.0;
     let at_corners = triangle.corners.iter().all(|corner| ((*corner - least) / side).fract() == Vec2::ZERO);
-    is_square && is_multiple && at_corners && offset(triangle).fract() == Vec2::splat(0.5)
+    is_square && is_multiple && at_corners && offset.fract() == Vec2::splat(0.5)
 }
 
-/// `u_δ`; not a number with other coordinates.
-fn offset(triangle: &FinishedTriangle) -> Vec2 {
+/// What tells its block from others: `u_δ`, or class and number.
+fn block_of(triangle: &FinishedTriangle) -> [u32; 2] {
     match triangle.anchor {
-        Anchor::Offset(offset) => offset,
-        Anchor::Block { .. } => Vec2::NAN,
+        Anchor::Offset(offset) => offset.to_array().map(f32::to_bits),
+        Anchor::Block { class, number } => [class, number],
     }
 }
 
 #[test]
 fn the_checks_see_what_they_look_for() {
     let (patch, picture) = wild(3);
-    let options = Options { cut_codes: 255.0, ..Options::default() };
+    let options = Options { cut_codes: 255.0, coordinates: Coordinates::Scaled, ..Options::default() };
     let mut conversion = converted(&patch.upload(&picture), &options);
     assert_continuous(&conversion).unwrap();
     let sound = conversion.finished.clone();
@@ -221,7 +232,8 @@ fn the_checks_see_what_they_look_for() {
     // A block moved by one texel along both axes runs into another, or out of the image.
     let moved = &mut conversion.finished.primitives[0].triangles;
     let first = moved[0].anchor;
-    let further = Anchor::Offset(offset(&moved[0]) + 1.0);
+    let Anchor::Offset(offset) = first else { panic!("4D coordinates") };
+    let further = Anchor::Offset(offset + 1.0);
     moved.iter_mut().filter(|triangle| triangle.anchor == first).for_each(|t| t.anchor = further);
     assert!(bleeding(&conversion.finished).is_some());
 
@@ -240,7 +252,7 @@ fn the_checks_see_what_they_look_for() {
     assert!((0..20).filter(seen).count() >= 10);
 
     let mut triangle = sound.primitives[0].triangles[0];
-    triangle.anchor = Anchor::Offset(offset(&triangle) + Vec2::new(0.5, 0.0));
+    triangle.anchor = Anchor::Offset(offset + Vec2::new(0.5, 0.0));
     assert!(!is_placed_exactly(&triangle));
     triangle = sound.primitives[0].triangles[0];
     triangle.corners[1].x += 1.0;

@@ -87,6 +87,7 @@ fn indexed(mut finished: Finished) -> Finished {
         |columns: u32| BlockClass { exponents: [0, 0], cells: [columns, 1], gap: [1, 1], shift: [0, 0] };
     let level = |size: &(u32, u32)| TableLevel {
         columns: vec![size.0 / 2, size.0 / 3],
+        firsts: vec![0; 2],
         origins: vec![[0, 0], [0, 4]],
     };
     let table =

@@ -12,6 +12,10 @@ use crate::watch::{self, Watch};
 
 /// Scales beyond this change the picture more than they save.
 const SCALE_MAX: f32 = 4.0;
+/// Halvings of the span of factors: down to a thousandth.
+const STEPS: usize = 11;
+/// What just passes is to pass once it is stored in 8 bits.
+const HALF_CODE: f32 = 0.5 / 255.0;
 /// Points along a face's side are at least this many.
 const POINTS_PER_SIDE: u32 = 16;
 
@@ -43,17 +47,26 @@ pub fn keep_coverage(
     if cutoff <= 0.0 || wanted <= 0.0 || wanted >= 1.0 {
         return Ok(());
     }
-    let areas = areas_by_alpha(numbering, values, watch)?;
-    let target = f64::from(wanted) * areas.iter().sum::<f64>();
-    let mut sum = 0.0;
-    let last_passing = areas.iter().rposition(|area| {
-        sum += area;
-        sum >= target
-    });
-    let Some(last_passing) = last_passing else { return Ok(()) };
-    let alpha = last_passing as f32 / (BINS - 1) as f32;
-    let scale = (cutoff / alpha.max(1e-6)).clamp(1.0 / SCALE_MAX, SCALE_MAX);
-    values.iter_mut().for_each(|value| value.w = (value.w * scale).min(1.0));
+    let scaled = |scale: f32| -> Vec<Vec4> {
+        values.iter().map(|value| value.with_w((value.w * scale).min(1.0))).collect()
+    };
+    // Alpha ends at 1, so what lies between two samples does not scale as they do: the factor is looked for.
+    let (mut low, mut high) = (1.0 / SCALE_MAX, SCALE_MAX);
+    let mut best = (f32::INFINITY, 1.0);
+    for _ in 0..STEPS {
+        let scale = (low * high).sqrt();
+        let share = coverage(numbering, &scaled(scale), cutoff + HALF_CODE, watch)?;
+        let apart = (share - wanted).abs();
+        if apart < best.0 {
+            best = (apart, scale);
+        }
+        if share < wanted {
+            low = scale;
+        } else {
+            high = scale;
+        }
+    }
+    values.iter_mut().for_each(|value| value.w = (value.w * best.1).min(1.0));
     Ok(())
 }
 

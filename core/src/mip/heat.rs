@@ -85,8 +85,9 @@ fn bonds(fine: &LevelNumbering<'_>, coarse: &LevelNumbering<'_>) -> Vec<Bond> {
             continue;
         }
         let cells = fine.texel_share(face);
-        if !fine.shape(face).is_vertex_colors() {
-            across(coarse, face, cells, &mut bonds);
+        let [n, m] = fine.shape(face).segments;
+        if n != m {
+            across(coarse, face, usize::from(m > n), cells, &mut bonds);
             continue;
         }
         let mut add = |corners: [usize; 3], strength: f64| {
@@ -116,10 +117,10 @@ fn bonds(fine: &LevelNumbering<'_>, coarse: &LevelNumbering<'_>) -> Vec<Bond> {
 
 /// Between the two long edges of a quad of one row of cells, at the samples that both have: `τ` times the width of what
 /// lies between two samples over their distance, which is `τ` over the quad's area times its length squared, shared by all.
-fn across(coarse: &LevelNumbering<'_>, face: usize, cells: f64, bonds: &mut Vec<Bond>) {
+/// `first` is the first of them.
+fn across(coarse: &LevelNumbering<'_>, face: usize, first: usize, cells: f64, bonds: &mut Vec<Bond>) {
     let canvas_face = &coarse.canvas.faces[face];
     let shape = coarse.shape(face);
-    let first = usize::from(shape.segments[0] == 1 && shape.segments[1] > 1);
     let at = |k: usize| coarse.canvas.positions[canvas_face.vertices[k % 4] as usize].as_dvec3();
     let edges = [first, first + 2];
     let length = 0.5 * edges.iter().map(|&edge| at(edge).distance(at(edge + 1))).sum::<f64>();

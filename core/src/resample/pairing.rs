@@ -8,6 +8,8 @@ use crate::source::SurfaceSource;
 
 /// Steps of one texel in a pair's weight.
 const WEIGHT_STEPS: f32 = 16.0;
+/// What such a step is to what tells pairs of one weight apart.
+const TIES: i64 = 1 << 20;
 
 /// For each face the one that it is to be a quad with. `mergeable` says by canvas edge whether its two sides may become
 /// one; edges that do not have exactly two different triangles never do.
@@ -42,7 +44,8 @@ fn candidate(costs: &Costs<'_>, edge: &CanvasEdge) -> Option<WeightedEdge> {
         return None;
     }
     let weight = (costs.saved_texels(a, b) * WEIGHT_STEPS).round();
-    (weight >= 1.0).then_some(WeightedEdge { nodes: [a.face, b.face], weight: weight as i64 })
+    let weight_by_place = weight as i64 * TIES + costs.tie(a) + costs.tie(b);
+    (weight >= 1.0).then_some(WeightedEdge { nodes: [a.face, b.face], weight: weight_by_place })
 }
 
 /// What faces cost in texels where every side gets a sample for each texel of the source.
@@ -65,6 +68,19 @@ impl Costs<'_> {
         let [facing_next, facing_last] = if same_way { [last_b, next_b] } else { [next_b, last_b] };
         let [n, m] = [next_a.max(facing_next), last_a.max(facing_last)].map(|length| length.max(1.0));
         lone(sides_a) + lone(sides_b) - (n + 1.0) * (m + 1.0)
+    }
+
+    /// A number below half of [`TIES`] by where in the source the side lies. So which of several matchings that save as
+    /// much is found does not depend on the order of faces.
+    fn tie(&self, side: Side) -> i64 {
+        let Some(source) = self.source else { return 0 };
+        let places = source.places(side.face as usize)[0];
+        let [from, to] = [places[usize::from(side.edge)], places[(usize::from(side.edge) + 1) % 3]];
+        let size = Vec2::new(source.channel.image.width as f32, source.channel.image.height as f32);
+        let middle = ((from + to) * 0.5 / size).fract_gl();
+        // Two irrational numbers, so that few places meet.
+        let mixed = (middle.x * 61.803_4 + middle.y * 75.487_77).fract();
+        (mixed * (TIES / 2) as f32) as i64
     }
 
     /// Lengths of a triangle's sides in texels of the source, from the one that is named on.

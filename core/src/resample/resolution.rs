@@ -9,6 +9,8 @@ use crate::source::SurfaceSource;
 
 /// Sides of `2^12` segments are the finest a face gets.
 const EXPONENT_MAX: f32 = 12.0;
+/// What lies half way goes up, however it was rounded.
+const TIE: f32 = 1e-3;
 /// No face is taken to be more elongated than this.
 const ASPECT_MAX: f32 = 256.0;
 
@@ -67,7 +69,7 @@ impl Resolutions {
 }
 
 fn exponent(segments: f32) -> u8 {
-    segments.max(1.0).log2().round().clamp(0.0, EXPONENT_MAX) as u8
+    (segments.max(1.0).log2() + TIE).round().clamp(0.0, EXPONENT_MAX) as u8
 }
 
 /// How much longer a quad is along its first axis than along its second, by the means of opposite sides.

@@ -9,7 +9,7 @@ use meshcolor::finished::{
     Anchor, Coordinates, Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle,
 };
 use meshcolor::image::{Image, Transfer};
-use meshcolor::layout::{Layout, LayoutRequest, arrange};
+use meshcolor::layout::{self, Layout, LayoutRequest, arrange};
 use meshcolor::mesh::{CanvasMesh, Polygons, build};
 use meshcolor::solve::{Problem, Solution, solve};
 use meshcolor::watch::Unwatched;
@@ -50,10 +50,10 @@ pub fn far_levels(patch: &Patch, last: usize, transfer: Transfer, seed: u64) -> 
     let layout = arrange(&LayoutRequest {
         canvas: &canvas,
         resolutions: &resolutions,
-        mergeable: &vec![true; canvas.edges.len()],
         diagonals: &vec![0; faces.len()],
         level_count: last + 1,
         side_limit: 16_384,
+        coordinates: layout::Coordinates::Scaled,
     })
     .expect("a small layout");
     let topology = ChannelTopology::new(&canvas, &resolutions, &cuts);
@@ -126,7 +126,7 @@ impl Stages<'_> {
         let triangle = |(number, face): (usize, &Face)| {
             let one = |corners: &[usize; 3]| FinishedTriangle {
                 vertices: corners.map(|corner| face.corners[corner]),
-                corners: corners.map(|corner| self.layout.scaled(number, corner)),
+                corners: corners.map(|corner| self.layout.corner(number, corner)),
                 anchor: Anchor::Offset(self.layout.offset(number)),
             };
             face.triangles().iter().map(one).collect::<Vec<_>>()
