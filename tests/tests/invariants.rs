@@ -8,7 +8,9 @@ use glam::{Vec2, Vec3};
 use meshcolor::asset::{Asset, Slot};
 use meshcolor::finished::{Anchor, Finished, FinishedTriangle};
 use meshcolor::image::{Image, Pixels};
-use meshcolor::pipeline::{Beyond, Conversion, Coordinates, Options, Resolution, Sampling, check, convert, convert_asset};
+use meshcolor::pipeline::{
+    Beyond, Conversion, Coordinates, Options, Resolution, Sampling, check, convert, convert_asset,
+};
 use meshcolor::read::{Limits, Upload, read};
 use meshcolor::watch::Unwatched;
 use meshcolor_tests::patches::{Corner, Patch, Random, noise, picture, smooth};
@@ -157,7 +159,8 @@ fn twenty_levels_hold_what_the_first_ones_do() {
         let (mut patch, picture) = wild(seed);
         patch.positions.iter_mut().for_each(|position| *position *= Vec3::new(1e8, 1e-6, 1e-6));
         for coordinates in [Coordinates::Scaled, Coordinates::Indexed] {
-            let options = Options { beyond, coordinates, resolution: Resolution::Area(4.0), ..Options::default() };
+            let options =
+                Options { beyond, coordinates, resolution: Resolution::Area(4.0), ..Options::default() };
             let conversion = converted(&patch.upload(&picture), &options);
             assert_eq!(conversion.finished.textures[0].levels.len(), 21);
             assert_eq!(bleeding(&conversion.finished), None);

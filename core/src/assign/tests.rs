@@ -174,8 +174,7 @@ fn borders_of_linear_formats_keep_their_rule_to_the_code() {
 }
 
 fn at(case: &Case, image: &Image, level: usize, face: usize, weights: &[(usize, f32)]) -> f32 {
-    let place =
-        weights.iter().map(|&(corner, weight)| case.layout.place(face, corner, level) * weight).sum();
+    let place = weights.iter().map(|&(corner, weight)| case.layout.place(face, corner, level) * weight).sum();
     bilinear(image, Transfer::Linear, CLAMP, place).x
 }
 
@@ -188,9 +187,8 @@ fn a_diagonal_reads_like_the_side_of_its_neighbor() {
         (Resolutions::uniform(exponents), Coordinates::Scaled, last)
     });
     // Of elongated quads, with coordinates that reach to any level.
-    let elongated = [[3, 3], [3, 1], [1, 3], [2, 4], [4, 0], [0, 4]].map(|quad| {
-        (Resolutions { faces: vec![[3, 3], quad] }, Coordinates::Indexed, 5)
-    });
+    let elongated = [[3, 3], [3, 1], [1, 3], [2, 4], [4, 0], [0, 4]]
+        .map(|quad| (Resolutions { faces: vec![[3, 3], quad] }, Coordinates::Indexed, 5));
     for (resolutions, coordinates, last) in uniform.into_iter().chain(elongated) {
         let exponents = resolutions.faces.clone();
         let case = case_of(resolutions, 6, coordinates);

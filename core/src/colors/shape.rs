@@ -129,7 +129,13 @@ impl Shape {
         let [n, m] = self.segments.map(|segments| segments as usize);
         let j = j as usize;
         if self.is_triangle {
-            let left = if j == 0 { 0 } else if j == n { 2 * n } else { 3 * n - j };
+            let left = if j == 0 {
+                0
+            } else if j == n {
+                2 * n
+            } else {
+                3 * n - j
+            };
             [left, n + j]
         } else {
             let left = if j == 0 { 0 } else { 2 * n + 2 * m - j };

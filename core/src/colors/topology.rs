@@ -42,7 +42,8 @@ impl ChannelTopology {
             let sides = canvas.sides(edge);
             let group_size = if cuts.edges[number] { 1 } else { sides.len() };
             for group in sides.chunks(group_size) {
-                let exponents = group.iter().map(|side| resolutions.along(side.face as usize, side.edge.into()));
+                let exponents =
+                    group.iter().map(|side| resolutions.along(side.face as usize, side.edge.into()));
                 let fan_at = |end| {
                     let corner = canvas.corner_at_end(group[0], end);
                     fan_of[group[0].face as usize][corner]

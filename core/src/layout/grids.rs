@@ -117,7 +117,10 @@ impl Grid {
         [
             Gap { origin: [x + width, y], size: [gap.size[0] - width, gap.size[1]] },
             Gap { origin: [x, y + height], size: [width, gap.size[1] - height] },
-            Gap { origin: [x + width - behind, y + height - self.footprint[1]], size: [behind, self.footprint[1]] },
+            Gap {
+                origin: [x + width - behind, y + height - self.footprint[1]],
+                size: [behind, self.footprint[1]],
+            },
         ]
     }
 
@@ -156,11 +159,13 @@ impl LevelSet {
         let mut grids = grids(classes, level);
         // High rows first: what they leave free takes the grids of lower ones.
         grids.sort_by_key(|grid| std::cmp::Reverse((grid.footprint[1], grid.footprint[0])));
-        let texels = |grid: &Grid| u64::from(grid.footprint[0]) * u64::from(grid.footprint[1]) * grid.blocks.len() as u64;
+        let texels = |grid: &Grid| {
+            u64::from(grid.footprint[0]) * u64::from(grid.footprint[1]) * grid.blocks.len() as u64
+        };
         let side = (grids.iter().map(texels).sum::<u64>() as f64).sqrt();
         let widest_block = grids.iter().map(|grid| grid.footprint[0]).max().unwrap_or(1);
-        let [low, high] =
-            WIDTH_SHARES.map(|share| ((side * share) as u32).clamp(widest_block, side_limit.max(widest_block)));
+        let [low, high] = WIDTH_SHARES
+            .map(|share| ((side * share) as u32).clamp(widest_block, side_limit.max(widest_block)));
         let step = ((high - low) / WIDTHS_TRIED).max(1);
         let key = |set: &Self| {
             let [width, height] = set.size();

@@ -245,7 +245,11 @@ impl Layout {
         let [x, y] = placement.corners[corner].map(f64::from);
         let side = |k: usize| {
             let exponent = f64::from(block.exponents[k]) - level as f64;
-            if matches!(block.place, Place::Indexed { .. }) { exponent.max(0.0).exp2() } else { exponent.exp2() }
+            if matches!(block.place, Place::Indexed { .. }) {
+                exponent.max(0.0).exp2()
+            } else {
+                exponent.exp2()
+            }
         };
         (first + DVec2::new(x * side(0), y * side(1))).as_vec2()
     }

@@ -113,7 +113,9 @@ fn samples_stand_on_texel_centers() {
             if coordinates == Coordinates::Scaled {
                 let side = f32::from(1u16 << exponents[0]);
                 assert_eq!(layout.offset(face).fract().to_array(), [0.5, 0.5]);
-                assert!((0..count).all(|corner| (layout.corner(face, corner) % side).to_array() == [0.0, 0.0]));
+                assert!(
+                    (0..count).all(|corner| (layout.corner(face, corner) % side).to_array() == [0.0, 0.0])
+                );
             }
             let last = match coordinates {
                 Coordinates::Scaled => usize::from(exponents[0]),
@@ -125,7 +127,10 @@ fn samples_stand_on_texel_centers() {
                 let side = |k: usize| f32::from(1u16 << usize::from(exponents[k]).saturating_sub(level));
                 let length = |k: usize| places[k].distance(places[(k + 1) % count]);
                 if quads {
-                    assert_eq!([length(0), length(1), length(2), length(3)], [side(0), side(1), side(0), side(1)]);
+                    assert_eq!(
+                        [length(0), length(1), length(2), length(3)],
+                        [side(0), side(1), side(0), side(1)]
+                    );
                 } else {
                     let doubled_area = (places[1] - places[0]).perp_dot(places[2] - places[0]).abs();
                     assert_eq!(doubled_area, side(0) * side(0), "a triangle is half its square");

@@ -50,12 +50,17 @@ pub fn merge(canvas: &CanvasMesh, partner: &[Option<u32>]) -> Merged {
 /// The quad of two triangles and its old edges; `None` where they share no edge.
 fn pair(canvas: &CanvasMesh, first: u32, second: u32) -> Option<(CanvasFace, [u32; 4])> {
     let [a, b] = [first, second].map(|face| &canvas.faces[face as usize]);
-    let (ka, kb) = (0..3).flat_map(|ka| (0..3).map(move |kb| (ka, kb))).find(|&(ka, kb)| a.edges[ka] == b.edges[kb])?;
+    let (ka, kb) =
+        (0..3).flat_map(|ka| (0..3).map(move |kb| (ka, kb))).find(|&(ka, kb)| a.edges[ka] == b.edges[kb])?;
     // Corners of the first: the far end of its edge, what is opposite, and the near end: from the far end all
     // around the first triangle.
     let of_a = [(ka + 1) % 3, (ka + 2) % 3, ka];
     let [from, _, to] = of_a.map(|k| a.vertices[k]);
-    let of_b = if b.vertices[kb] == to { [(kb + 1) % 3, kb, (kb + 2) % 3] } else { [kb, (kb + 1) % 3, (kb + 2) % 3] };
+    let of_b = if b.vertices[kb] == to {
+        [(kb + 1) % 3, kb, (kb + 2) % 3]
+    } else {
+        [kb, (kb + 1) % 3, (kb + 2) % 3]
+    };
     debug_assert_eq!([b.vertices[of_b[0]], b.vertices[of_b[1]]], [from, to]);
     let vertices = [from, a.vertices[of_a[1]], to, b.vertices[of_b[2]]];
     let edge_between = |face: &CanvasFace, one: usize, other: usize| {

@@ -65,7 +65,9 @@ fn a_quad_is_drawn_over_its_first_diagonal() {
 #[test]
 fn a_pair_is_a_quad_over_its_shared_edge() {
     let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.5), Vec3::new(3.0, 0.0, 0.0)];
-    let turned = |[a, b, c]: [u32; 3], turn: usize| [[a, b, c], [b, c, a], [c, a, b], [c, b, a], [b, a, c], [a, c, b]][turn];
+    let turned = |[a, b, c]: [u32; 3], turn: usize| {
+        [[a, b, c], [b, c, a], [c, a, b], [c, b, a], [b, a, c], [a, c, b]][turn]
+    };
     for (turn_a, turn_b) in (0..6).flat_map(|a| (0..6).map(move |b| (a, b))) {
         let (a, b) = (turned([0, 1, 2], turn_a), turned([1, 3, 2], turn_b));
         let canvas = canvas(&positions, &[&a, &[1, 4, 3], &b]);

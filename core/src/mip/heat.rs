@@ -174,7 +174,9 @@ fn masses(coarse: &LevelNumbering<'_>, count: usize) -> Vec<f64> {
     let areas = SampleAreas::new(coarse);
     let mut masses: Vec<f64> = areas.fans.iter().map(|&area| area.into()).collect();
     if count > masses.len() {
-        let of_strip = |(strip, &area): (usize, &f32)| std::iter::repeat_n(f64::from(area), coarse.strip_range(strip).len());
+        let of_strip = |(strip, &area): (usize, &f32)| {
+            std::iter::repeat_n(f64::from(area), coarse.strip_range(strip).len())
+        };
         masses.extend(areas.strips.iter().enumerate().flat_map(of_strip));
     }
     let mean = masses.iter().sum::<f64>() / masses.len() as f64;

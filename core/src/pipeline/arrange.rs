@@ -87,7 +87,11 @@ pub fn arrange_all(
 
 /// Texels of level 0 over all materials, one channel counting.
 fn allocated_texels(arranged: &[Arranged]) -> u64 {
-    arranged.iter().map(|one| one.layout.sizes[0]).map(|[width, height]| u64::from(width) * u64::from(height)).sum()
+    arranged
+        .iter()
+        .map(|one| one.layout.sizes[0])
+        .map(|[width, height]| u64::from(width) * u64::from(height))
+        .sum()
 }
 
 fn lay_out(

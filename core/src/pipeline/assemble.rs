@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::asset::Asset;
 use crate::finished::{
-    Anchor, BlockClass, BlockTable, Coordinates, Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle,
-    PrimitiveCuts, TableLevel,
+    Anchor, BlockClass, BlockTable, Coordinates, Finished, FinishedPrimitive, FinishedTexture,
+    FinishedTriangle, PrimitiveCuts, TableLevel,
 };
 use crate::layout::{Class, ClassGrid, Layout, Place, TWIN_SHIFT};
 use crate::mesh::{CanvasFace, CanvasMesh};
@@ -52,7 +52,8 @@ fn drawn_places(canvas: &CanvasMesh) -> Vec<DrawnPlace> {
             let mut canvas_corners = *canvas_corners;
             if face.is_pair() {
                 // A pair turns its triangles to where they meet, and over where they wind against each other.
-                let order = [0, 1, 2].map(|corner| corners.iter().position(|&own| own == corner).unwrap_or(0));
+                let order =
+                    [0, 1, 2].map(|corner| corners.iter().position(|&own| own == corner).unwrap_or(0));
                 corners = [0, 1, 2];
                 canvas_corners = order.map(|k| canvas_corners[k]);
             }
@@ -148,7 +149,8 @@ fn coordinates(layout: &Layout) -> Coordinates {
     };
     let level = |grids: &Vec<ClassGrid>| {
         let all = || {
-            (layout.classes.iter().zip(grids)).flat_map(|(class, grid)| shifts(class).iter().map(move |_| grid))
+            (layout.classes.iter().zip(grids))
+                .flat_map(|(class, grid)| shifts(class).iter().map(move |_| grid))
         };
         TableLevel {
             columns: all().map(|grid| grid.columns).collect(),
@@ -166,7 +168,8 @@ fn anchor(layout: &Layout, face: usize) -> Anchor {
     match layout.block(face).place {
         Place::Scaled { .. } => Anchor::Offset(layout.offset(face)),
         Place::Indexed { class, number } => {
-            let lone_before = layout.classes[..class as usize].iter().filter(|class| class.is_lone).count() as u32;
+            let lone_before =
+                layout.classes[..class as usize].iter().filter(|class| class.is_lone).count() as u32;
             let is_second = layout.placements[face].shift > 0;
             Anchor::Block { class: class + lone_before + u32::from(is_second), number }
         }

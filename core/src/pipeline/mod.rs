@@ -148,7 +148,8 @@ fn convert_materials(
     let arranged = arrange_all(asset, &prepared, options, limits, watch)?;
     progress.part(CONVERSION_SHARE * (1.0 - PREPARED_SHARE) / prepared.len() as f32);
     let each = prepared.into_iter().zip(arranged);
-    each.map(|(prepared, arranged)| convert_material(asset, prepared, arranged, options, watch, progress)).collect()
+    each.map(|(prepared, arranged)| convert_material(asset, prepared, arranged, options, watch, progress))
+        .collect()
 }
 
 /// Measures a model: a converted file by its own coordinates, a plain source by its mip maps.

@@ -239,7 +239,9 @@ impl Options {
             "quality" => self.set_quality(named(QUALITIES, value).ok_or_else(refuse)?),
             "sampling" => self.sampling = parse_sampling(value).ok_or_else(refuse)?,
             "resolution" => self.resolution = parse_resolution(value).ok_or_else(refuse)?,
-            "max-error" => self.max_error = optional(value, |value| in_range(value, 0.01, 255.0)).ok_or_else(refuse)?,
+            "max-error" => {
+                self.max_error = optional(value, |value| in_range(value, 0.01, 255.0)).ok_or_else(refuse)?
+            }
             "texels" => {
                 let count = |value: &str| value.parse().ok().filter(|count| (1..=TEXELS_MAX).contains(count));
                 self.texels = optional(value, count).ok_or_else(refuse)?;

@@ -53,7 +53,9 @@ impl Candidates<'_> {
                 })
             };
             let all = 0..self.rates.of(face).len() as u32;
-            all.filter(is_within).min_by(|a, b| self.texels(face, *a).total_cmp(&self.texels(face, *b))).unwrap_or(0)
+            all.filter(is_within)
+                .min_by(|a, b| self.texels(face, *a).total_cmp(&self.texels(face, *b)))
+                .unwrap_or(0)
         };
         Choice { taken: (0..self.rates.face_count()).map(of_face).collect() }
     }
@@ -68,7 +70,10 @@ impl Candidates<'_> {
                 *sum += f64::from(face.area * error.mean_square);
             }
         }
-        sums.iter().map(|sum| 1.0 / (sum / area).max(MEAN_SQUARE_FLOOR)).map(|w| if w.is_finite() { w } else { 1.0 }).collect()
+        sums.iter()
+            .map(|sum| 1.0 / (sum / area).max(MEAN_SQUARE_FLOOR))
+            .map(|w| if w.is_finite() { w } else { 1.0 })
+            .collect()
     }
 
     /// A face's steps from the fewest texels to those of `most`, along the lower convex hull of error over texels: each
@@ -77,7 +82,8 @@ impl Candidates<'_> {
         let area = f64::from(self.canvas.faces[face].area);
         let point = |candidate: u32| {
             let errors = self.rates.errors(face, candidate as usize).zip(weights);
-            let error = errors.map(|(error, weight)| f64::from(error.mean_square) * weight).sum::<f64>() * area;
+            let error =
+                errors.map(|(error, weight)| f64::from(error.mean_square) * weight).sum::<f64>() * area;
             (self.texels(face, candidate), error, candidate)
         };
         let limit = self.texels(face, most);
@@ -133,7 +139,11 @@ pub fn spend(materials: &[Candidates<'_>], most: &[Choice], texels: f64) -> Vec<
             spent += material.texels(face, first);
             taken.push(first);
             // In shares of the material's area: meshes have units of their own.
-            steps.extend(own.into_iter().map(|step| (Step { gain: step.gain / total.max(f64::MIN_POSITIVE), ..step }, number, face)));
+            steps.extend(
+                own.into_iter().map(|step| {
+                    (Step { gain: step.gain / total.max(f64::MIN_POSITIVE), ..step }, number, face)
+                }),
+            );
         }
         choices.push(Choice { taken });
     }
@@ -150,3 +160,6 @@ pub fn spend(materials: &[Candidates<'_>], most: &[Choice], texels: f64) -> Vec<
     }
     choices
 }
+
+#[cfg(test)]
+mod tests;

@@ -78,7 +78,8 @@ impl Mass<'_> {
         let [n, m] = shape.segments;
         room.border.clear();
         for edge in 0..shape.edge_count() {
-            let taps = (0..shape.edge_segments(edge)).map(|along| self.numbering.edge_tap(face, edge, along).value(values));
+            let taps = (0..shape.edge_segments(edge))
+                .map(|along| self.numbering.edge_tap(face, edge, along).value(values));
             room.border.extend(taps);
         }
         let mut inner = values[self.numbering.face_range(face)].iter();

@@ -38,7 +38,8 @@ fn candidate(costs: &Costs<'_>, edge: &CanvasEdge) -> Option<WeightedEdge> {
     let &[a, b] = costs.canvas.sides(edge) else { return None };
     let [face_a, face_b] = [a, b].map(|side| &costs.canvas.faces[side.face as usize]);
     let is_plain = a.face != b.face && face_a.is_triangle() && face_b.is_triangle();
-    let opposite = |side: Side| costs.canvas.faces[side.face as usize].vertices[(usize::from(side.edge) + 2) % 3];
+    let opposite =
+        |side: Side| costs.canvas.faces[side.face as usize].vertices[(usize::from(side.edge) + 2) % 3];
     // Front and back of one sheet share more than this edge.
     if !is_plain || opposite(a) == opposite(b) {
         return None;
@@ -62,7 +63,8 @@ impl Costs<'_> {
         // Around the quad the sides of the second triangle face those of the first; which face which depends on how
         // the two wind.
         let same_way = {
-            let [a, b] = [a, b].map(|side| self.canvas.faces[side.face as usize].is_reversed(usize::from(side.edge)));
+            let [a, b] =
+                [a, b].map(|side| self.canvas.faces[side.face as usize].is_reversed(usize::from(side.edge)));
             a == b
         };
         let [facing_next, facing_last] = if same_way { [last_b, next_b] } else { [next_b, last_b] };

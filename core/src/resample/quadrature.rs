@@ -6,8 +6,8 @@
 
 use glam::Vec4;
 
-use super::gather::weighted;
 use super::BAND;
+use super::gather::weighted;
 use crate::colors::LevelNumbering;
 use crate::error::Result;
 use crate::source::{FaceReader, SurfaceSource};

@@ -239,7 +239,8 @@ impl Judge {
                 (point.at[0] - i * step[0]) as f32 / step[0] as f32,
                 (point.at[1] - j * step[1]) as f32 / step[1] as f32,
             ];
-            let at = |di: u32, dj: u32| self.grid[((j + dj) * step[1] * (n + 1) + (i + di) * step[0]) as usize];
+            let at =
+                |di: u32, dj: u32| self.grid[((j + dj) * step[1] * (n + 1) + (i + di) * step[0]) as usize];
             let shown = if !shape.is_triangle {
                 at(0, 0).lerp(at(1, 0), x).lerp(at(0, 1).lerp(at(1, 1), x), y)
             } else if x + y <= 1.0 {

@@ -7,10 +7,10 @@
 use glam::Vec4;
 use rayon::prelude::*;
 
+use super::BAND;
 use super::fitted::{Fit, fit};
 use super::gather::{Borders, Means, cell_areas, interiors, mean, weighted};
 use super::quadrature::{Quadrature, Subject};
-use super::BAND;
 use crate::colors::{LevelNumbering, Shape};
 use crate::error::Result;
 use crate::source::SurfaceSource;

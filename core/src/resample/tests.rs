@@ -12,7 +12,7 @@ use crate::watch::Unwatched;
 
 /// Two triangles that share the edge from (1, 0) to (0, 1), each with texture coordinates of its own, as
 /// data (linear codes).
-fn two_charts(image: Image, first: [[f32; 2]; 3], second: [[f32; 2]; 3]) -> Asset {
+pub(super) fn two_charts(image: Image, first: [[f32; 2]; 3], second: [[f32; 2]; 3]) -> Asset {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.0), Vec3::Y, Vec3::X];
     let primitive = Primitive {
         material: Some(0),
@@ -33,14 +33,14 @@ fn two_charts(image: Image, first: [[f32; 2]; 3], second: [[f32; 2]; 3]) -> Asse
     }
 }
 
-fn canvas_of(asset: &Asset) -> CanvasMesh {
+pub(super) fn canvas_of(asset: &Asset) -> CanvasMesh {
     let primitive = &asset.meshes[0].primitives[0];
     let mut faces = primitive.faces.iter().map(|face| (face.corners, face.count));
     build([Polygons { mesh: 0, primitive: 0, positions: &primitive.positions, faces: &mut faces }])
 }
 
 /// 16 by 16 texels of `code(x, y)`.
-fn image(code: impl Fn(u32, u32) -> u8) -> Image {
+pub(super) fn image(code: impl Fn(u32, u32) -> u8) -> Image {
     let pixels = (0..256).flat_map(|k| [code(k % 16, k / 16); 3]).collect();
     Image { width: 16, height: 16, components: 3, pixels: Pixels::U8(pixels) }
 }

@@ -6,9 +6,9 @@
 use glam::{Mat4, Vec2, Vec3, Vec4, Vec4Swizzles};
 
 use super::SurfaceSource;
+use crate::colors::Shape;
 use crate::image::{Tile, bilinear};
 use crate::math::frame::Frame;
-use crate::colors::Shape;
 
 /// A window whose texels are more than this many for each fetch is read texel by texel.
 const TEXELS_PER_FETCH: f32 = 8.0;
@@ -57,7 +57,8 @@ impl FaceReader {
         for (triangle, piece) in self.pieces.iter_mut().enumerate() {
             let kind = if self.is_triangle { 2 } else { triangle };
             let [a, b, c] = source.places(face)[triangle];
-            *piece = Piece { triangle, place: Affine { at: a, along: steps(kind, a, b, c, scale) }, ..*piece };
+            *piece =
+                Piece { triangle, place: Affine { at: a, along: steps(kind, a, b, c, scale) }, ..*piece };
             if source.channel.is_normal() {
                 let [a, b, c] = source.frames[face][triangle];
                 let normals = steps(kind, a.normal, b.normal, c.normal, scale);

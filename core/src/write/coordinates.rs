@@ -78,8 +78,7 @@ pub fn table(table: &BlockTable) -> Value {
         let BlockClass { exponents: [r, s], cells, gap, shift } = class;
         json!({ "r": r, "s": s, "cells": cells, "gap": gap, "shift": shift })
     };
-    let level =
-        |TableLevel { columns, firsts, origins }: &TableLevel| json!({ "columns": columns, "first": firsts, "origin": origins });
+    let level = |TableLevel { columns, firsts, origins }: &TableLevel| json!({ "columns": columns, "first": firsts, "origin": origins });
     json!({
         "classes": table.classes.iter().map(class).collect::<Vec<_>>(),
         "levels": table.levels.iter().map(level).collect::<Vec<_>>(),

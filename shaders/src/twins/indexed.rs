@@ -60,8 +60,10 @@ impl MctBlockTable {
         };
         let grids = table.levels.iter().flat_map(|level| {
             let entries = level.columns.iter().zip(&level.firsts).zip(&level.origins);
-            entries.map(|((&columns, &first), &origin)| {
-                MctBlockGrid { origin: UVec2::from_array(origin), columns, first }
+            entries.map(|((&columns, &first), &origin)| MctBlockGrid {
+                origin: UVec2::from_array(origin),
+                columns,
+                first,
             })
         });
         Self { classes: table.classes.iter().map(class).collect(), grids: grids.collect() }

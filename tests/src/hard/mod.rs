@@ -48,7 +48,13 @@ pub const RUNS: &[Run] = &[
     Run { name: "clamp", options: &[FOUR_D, ("range", "unorm8"), ("solver", "clamp")] },
     Run {
         name: LIBRARY,
-        options: &[FOUR_D, ("mip", "uniform"), ("beyond", "one-ring"), ("range", "unorm8"), ("solver", "exact")],
+        options: &[
+            FOUR_D,
+            ("mip", "uniform"),
+            ("beyond", "one-ring"),
+            ("range", "unorm8"),
+            ("solver", "exact"),
+        ],
     },
 ];
 

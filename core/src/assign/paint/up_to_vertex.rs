@@ -115,9 +115,8 @@ impl Painter<'_> {
         }
         // Lines run from the low end, as the samples of a strip do.
         let is_reversed = numbering.canvas.faces[grid.face].is_reversed(edge);
-        let point = |from_low: u32| {
-            grid.shape.edge_point(edge, if is_reversed { n - from_low } else { from_low })
-        };
+        let point =
+            |from_low: u32| grid.shape.edge_point(edge, if is_reversed { n - from_low } else { from_low });
         let (first, second) = (point(1), point(2));
         let step = [second.0 as i32 - first.0 as i32, second.1 as i32 - first.1 as i32];
         let line = GridLine { first, step };

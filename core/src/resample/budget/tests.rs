@@ -10,7 +10,8 @@ use crate::watch::Unwatched;
 /// The two triangles of [`two_charts`] over 12 by 12 texels of the picture, as one quad where they are a pair.
 fn rates_of(picture: Image, is_pair: bool, finest: u8) -> (CanvasMesh, Rates) {
     let (low, high) = (0.125, 0.875);
-    let asset = two_charts(picture, [[low, low], [high, low], [low, high]], [[high, high], [low, high], [high, low]]);
+    let asset =
+        two_charts(picture, [[low, low], [high, low], [low, high]], [[high, high], [low, high], [high, low]]);
     let canvas = canvas_of(&asset);
     let channels = channels(&asset, 0);
     let source = SurfaceSource::new(&channels[0], &asset, &canvas);
@@ -76,7 +77,8 @@ fn a_budget_goes_where_the_error_is() {
     };
     let mut last = f64::INFINITY;
     for budget in [1.0, 40.0, 100.0, 300.0, 1e9] {
-        let choice = with(&canvas, &rates, |own| spend(&[own], std::slice::from_ref(&finest), budget)).remove(0);
+        let choice =
+            with(&canvas, &rates, |own| spend(&[own], std::slice::from_ref(&finest), budget)).remove(0);
         let exponents = choice.resolutions(&rates).faces;
         let spent: f64 = exponents.iter().map(|[r, _]| texels(Shape::triangle(1 << r))).sum();
         assert!(spent <= budget.max(2.0 * texels(Shape::triangle(1))), "{budget}: {exponents:?}");

@@ -2,8 +2,8 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::FaceReader;
 use crate::asset::{Asset, Face, Material, Mesh, Primitive, Slot, TextureRef, UvTransform};
-use crate::image::{Image, Pixels, Wrap};
 use crate::colors::Shape;
+use crate::image::{Image, Pixels, Wrap};
 use crate::mesh::{CanvasMesh, Polygons, build};
 use crate::source::{SurfaceSource, channels};
 

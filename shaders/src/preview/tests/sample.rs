@@ -277,7 +277,8 @@ pub fn indexed_ball() -> Conversion {
     let exponents = [EXPONENT as u8; 2];
     let shape = BlockClass { exponents, cells: [1, 1], gap: [1, 1], shift: [0, 0] };
     // Another class stands before it, which nothing uses.
-    let level = TableLevel { columns: vec![1, BLOCK_COLUMNS as u32], firsts: vec![0; 2], origins: vec![[0, 0]; 2] };
+    let level =
+        TableLevel { columns: vec![1, BLOCK_COLUMNS as u32], firsts: vec![0; 2], origins: vec![[0, 0]; 2] };
     let table = BlockTable { classes: vec![shape, shape], levels: vec![level; EXPONENT + 1] };
     piece.coordinates = Coordinates::Indexed(table.into());
     for (number, triangle) in piece.triangles.iter_mut().enumerate() {
