@@ -210,7 +210,7 @@ impl LevelSet {
         for (grid, &is_even) in sorted.iter().zip(even) {
             let host = (0..gaps.len())
                 .filter_map(|k| grid.columns_in(&gaps[k]).map(|columns| (k, columns)))
-                .min_by_key(|&(k, _)| gaps[k].size[0] * gaps[k].size[1]);
+                .min_by_key(|&(k, _)| u64::from(gaps[k].size[0]) * u64::from(gaps[k].size[1]));
             let (gap, columns) = match host {
                 Some((k, columns)) => (gaps.swap_remove(k), columns),
                 None => {
@@ -225,7 +225,7 @@ impl LevelSet {
                 }
             };
             let placed = Grid { columns, origin: gap.origin, ..grid.clone() };
-            gaps.extend(placed.gaps_left(&gap));
+            gaps.extend(placed.gaps_left(&gap).into_iter().filter(|gap| gap.size[0] > 0 && gap.size[1] > 0));
             grids.push(placed);
         }
         Self { grids }

@@ -21,7 +21,7 @@ use glam::{DVec2, Vec2};
 
 use crate::colors::{Resolutions, Shape};
 use crate::error::{Error, ErrorCode, Result};
-use crate::mesh::CanvasMesh;
+use crate::mesh::{CanvasFace, CanvasMesh};
 
 /// Texels that a block with 4D coordinates keeps to the next, at every level: `b` of MCT 3.4, so that footprints stay
 /// apart beyond vertex colors too.
@@ -138,20 +138,40 @@ pub fn block_texels(coordinates: Coordinates, shape: Shape) -> f64 {
 /// # Errors
 /// `TextureTooLarge` where level 0 would exceed the limit.
 pub fn arrange(request: &LayoutRequest<'_>) -> Result<Layout> {
+    let limit = request.side_limit.min(SIDE_MAX);
+    let least_side = least_texels(request).sqrt().ceil() as u64;
+    // Before anything is packed: all that is counted on the way fits into 32 bits then.
+    if least_side > limit.into() {
+        return Err(too_large([least_side; 2], limit));
+    }
     let layout = match request.coordinates {
         Coordinates::Scaled => rows::arrange(request),
         Coordinates::Indexed => grids::arrange(request),
     };
-    let limit = request.side_limit.min(SIDE_MAX);
     let [width, height] = layout.sizes[0];
     if width.max(height) <= limit {
-        return Ok(layout);
+        Ok(layout)
+    } else {
+        Err(too_large([width, height].map(u64::from), limit))
     }
+}
+
+/// Of all faces, without what is left empty.
+fn least_texels(request: &LayoutRequest<'_>) -> f64 {
+    let faces = request.canvas.faces.iter().zip(&request.resolutions.faces);
+    let shape = |(face, exponents): (&CanvasFace, &[u8; 2])| Shape {
+        is_triangle: face.is_triangle(),
+        segments: exponents.map(|exponent| 1 << exponent),
+    };
+    faces.map(|face| block_texels(request.coordinates, shape(face))).sum()
+}
+
+fn too_large([width, height]: [u64; 2], limit: u32) -> Error {
     let detail = format!(
-        "the layout needs {width} x {height} texels, more than the {limit} a side that is allowed; \
-         ask for less with --resolution (area:F with a smaller F, or fixed:R with a smaller R)",
+        "the layout needs {width} x {height} texels, more than the {limit} a side that is allowed; ask for less with \
+         --resolution (area:F with a smaller F, or fixed:R with a smaller R) or with --texels",
     );
-    Err(Error::new(ErrorCode::TextureTooLarge, detail).limit(limit.into(), width.max(height).into()))
+    Error::new(ErrorCode::TextureTooLarge, detail).limit(limit.into(), width.max(height))
 }
 
 impl BlockKind {

@@ -14,7 +14,7 @@ use crate::watch::{self, Watch};
 const SCALE_MAX: f32 = 4.0;
 /// Halvings of the span of factors: down to a thousandth.
 const STEPS: usize = 11;
-/// What just passes is to pass once it is stored in 8 bits.
+/// What rounding to 8 bits may change.
 const HALF_CODE: f32 = 0.5 / 255.0;
 /// Points along a face's side are at least this many.
 const POINTS_PER_SIDE: u32 = 16;
@@ -52,13 +52,13 @@ pub fn keep_coverage(
     };
     // Alpha ends at 1, so what lies between two samples does not scale as they do: the factor is looked for.
     let (mut low, mut high) = (1.0 / SCALE_MAX, SCALE_MAX);
-    let mut best = (f32::INFINITY, 1.0);
+    let mut best = (f32::INFINITY, 1.0, false);
     for _ in 0..STEPS {
         let scale = (low * high).sqrt();
-        let share = coverage(numbering, &scaled(scale), cutoff + HALF_CODE, watch)?;
+        let share = coverage(numbering, &scaled(scale), cutoff, watch)?;
         let apart = (share - wanted).abs();
         if apart < best.0 {
-            best = (apart, scale);
+            best = (apart, scale, share >= wanted);
         }
         if share < wanted {
             low = scale;
@@ -66,7 +66,10 @@ pub fn keep_coverage(
             high = scale;
         }
     }
-    values.iter_mut().for_each(|value| value.w = (value.w * best.1).min(1.0));
+    let (_, scale, is_over) = best;
+    // Away from where much passes at once, so that it is on the same side once it is stored.
+    let scale = scale * if is_over { 1.0 + HALF_CODE / cutoff } else { 1.0 - HALF_CODE / cutoff };
+    values.iter_mut().for_each(|value| value.w = (value.w * scale).min(1.0));
     Ok(())
 }
 

@@ -42,7 +42,11 @@ pub fn arrange_all(
     let finest: Vec<Resolutions> = materials.iter().map(finest).collect();
     let set = |resolutions: Vec<Resolutions>| -> Result<Vec<Arranged>> {
         let each = materials.iter().zip(resolutions);
-        each.map(|(material, resolutions)| lay_out(material, resolutions, options, limits)).collect()
+        each.map(|(material, resolutions)| {
+            let place = format!("/materials/{}", material.material);
+            lay_out(material, resolutions, options, limits).map_err(|error| error.at(place))
+        })
+        .collect()
     };
     if options.max_error.is_none() && options.texels.is_none() {
         return set(finest);
@@ -79,7 +83,7 @@ pub fn arrange_all(
         target *= wanted as f64 / allocated as f64 * SPARE;
     }
     let detail = format!(
-        "texels = \"{wanted}\" is too few: with one cell to each face level 0 takes about {least} texels; \
+        "texels = \"{wanted}\" is too few: every face has one cell at least, and level 0 came down to {least} texels; \
          ask for at least as many, or for a coarser mesh"
     );
     Err(Error::new(ErrorCode::InvalidOptions, detail).at("/texels").limit(least, wanted))

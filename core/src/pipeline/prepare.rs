@@ -32,8 +32,11 @@ pub fn prepare<'a>(
     options: &Options,
     watch: &dyn Watch,
 ) -> Result<Option<Prepared<'a>>> {
+    if channels.is_empty() {
+        return Ok(None);
+    }
     let canvas = canvas_of(asset, material);
-    if channels.is_empty() || canvas.faces.is_empty() {
+    if canvas.faces.is_empty() {
         return Ok(None);
     }
     let sources: Vec<SurfaceSource<'a>> =

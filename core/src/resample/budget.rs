@@ -151,12 +151,15 @@ pub fn spend(materials: &[Candidates<'_>], most: &[Choice], texels: f64) -> Vec<
         let by_gain = b.gain.total_cmp(&a.gain);
         by_gain.then((material_a, face_a).cmp(&(material_b, face_b)))
     });
+    // A face whose next step is too much is done; others may have smaller ones.
+    let mut is_done: Vec<Vec<bool>> = choices.iter().map(|choice| vec![false; choice.taken.len()]).collect();
     for (step, material, face) in steps {
-        spent += step.texels;
-        if spent > texels {
-            break;
+        let is_done = &mut is_done[material][face];
+        *is_done |= spent + step.texels > texels;
+        if !*is_done {
+            spent += step.texels;
+            choices[material].taken[face] = step.candidate;
         }
-        choices[material].taken[face] = step.candidate;
     }
     choices
 }

@@ -10,6 +10,8 @@ use crate::source::SurfaceSource;
 const WEIGHT_STEPS: f32 = 16.0;
 /// What such a step is to what tells pairs of one weight apart.
 const TIES: i64 = 1 << 20;
+/// Coordinates that repeat a picture a thousand times save more than any texture has.
+const WEIGHT_MAX: f32 = (1u64 << 38) as f32;
 
 /// For each face the one that it is to be a quad with. `mergeable` says by canvas edge whether its two sides may become
 /// one; edges that do not have exactly two different triangles never do.
@@ -45,8 +47,12 @@ fn candidate(costs: &Costs<'_>, edge: &CanvasEdge) -> Option<WeightedEdge> {
         return None;
     }
     let weight = (costs.saved_texels(a, b) * WEIGHT_STEPS).round();
-    let weight_by_place = weight as i64 * TIES + costs.tie(a) + costs.tie(b);
-    (weight >= 1.0).then_some(WeightedEdge { nodes: [a.face, b.face], weight: weight_by_place })
+    // Nothing that is not a number saves anything.
+    if !(weight >= 1.0) {
+        return None;
+    }
+    let weight = weight.min(WEIGHT_MAX) as i64 * TIES + costs.tie(a) + costs.tie(b);
+    Some(WeightedEdge { nodes: [a.face, b.face], weight })
 }
 
 /// What faces cost in texels where every side gets a sample for each texel of the source.

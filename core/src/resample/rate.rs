@@ -34,6 +34,14 @@ pub struct FaceError {
     pub peak: f32,
 }
 
+impl FaceError {
+    /// With what the grid that it was judged on does not show: at worst both go the same way.
+    fn beside(self, of_grid: Self) -> Self {
+        let root = self.mean_square.sqrt() + of_grid.mean_square.sqrt();
+        Self { mean_square: root * root, peak: self.peak + of_grid.peak }
+    }
+}
+
 /// What every face might have, and what it would show.
 pub struct Rates {
     /// By face: where its candidates begin; and the end.
@@ -170,7 +178,7 @@ impl Judge {
         self.choose_points(shape, meaning);
         let coarser = candidates[1..].iter().map(|&candidate| {
             let step = [0, 1].map(|k| 1u32 << (read[k] - candidate[k].min(read[k])));
-            self.coarser(shape, step, meaning)
+            self.coarser(shape, step, meaning).beside(finest)
         });
         std::iter::once(finest).chain(coarser).collect()
     }
@@ -196,10 +204,10 @@ impl Judge {
     fn finest(&self, shape: Shape, meaning: Meaning) -> FaceError {
         let [n, m] = shape.segments;
         let mut sum = Sum::default();
-        let stride = stride(shape);
-        for j in (0..m).step_by(stride) {
+        let [stride_i, stride_j] = strides(shape);
+        for j in (0..m).step_by(stride_j) {
             let count = shape.cell_count(j) - u32::from(shape.is_triangle);
-            for i in (0..count).step_by(stride) {
+            for i in (0..count).step_by(stride_i) {
                 let at = |di: u32, dj: u32| self.grid[((j + dj) * (n + 1) + i + di) as usize];
                 // A whole cell of a triangle is drawn over the diagonal from (1, 0) to (0, 1).
                 let shown = match shape.is_triangle {
@@ -215,11 +223,11 @@ impl Judge {
 
     fn choose_points(&mut self, shape: Shape, meaning: Meaning) {
         let [n, m] = shape.segments;
-        let stride = stride(shape);
+        let [stride_i, stride_j] = strides(shape);
         self.points.clear();
-        for j in (0..=m).step_by(stride) {
+        for j in (0..=m).step_by(stride_j) {
             // Shifted from row to row, so that no column goes without.
-            for i in (j as usize / stride % stride..shape.point_count(j) as usize).step_by(stride) {
+            for i in (j as usize / stride_j % stride_i..shape.point_count(j) as usize).step_by(stride_i) {
                 let value = self.grid[j as usize * (n as usize + 1) + i];
                 let (codes, weight) = (meaning.codes(value), meaning.weight(value));
                 self.points.push(Point { at: [i as u32, j], codes, weight });
@@ -254,10 +262,15 @@ impl Judge {
     }
 }
 
-/// From point to point along both axes: odd, so that it meets the points of every coarser grid and those between.
-fn stride(shape: Shape) -> usize {
-    let stride = (shape.square_count() / POINTS).sqrt().ceil().max(1.0) as usize;
-    stride | 1
+/// From point to point along each axis: odd, so that it meets the points of every coarser grid and those between. A short
+/// axis is looked at all along.
+fn strides(shape: Shape) -> [usize; 2] {
+    let [n, m] = shape.segments.map(|segments| segments as f32);
+    let even = (shape.square_count() / POINTS).sqrt().max(1.0);
+    let along_short = even.min((n.min(m) / 4.0).max(1.0));
+    let along_long = even * even / along_short;
+    let odd = |stride: f32| stride.ceil() as usize | 1;
+    if n < m { [odd(along_short), odd(along_long)] } else { [odd(along_long), odd(along_short)] }
 }
 
 impl Meaning {

@@ -53,7 +53,12 @@ pub fn resolutions(
         }
         let aspect = match rule {
             Resolution::Density(_) => aspect(world_sides(canvas, face)),
-            _ => sources.iter().map(|source| aspect(source.quad_sides(number))).next().unwrap_or(1.0),
+            _ => {
+                // Of the source that the cells are counted by.
+                let area = |source: &&SurfaceSource<'_>| source.area_texels(canvas, number);
+                let finest = sources.iter().max_by(|a, b| area(a).total_cmp(&area(b)));
+                finest.map_or(1.0, |source| aspect(source.quad_sides(number)))
+            }
         };
         [exponent((cells * aspect).sqrt()), exponent((cells / aspect).sqrt())]
     });
