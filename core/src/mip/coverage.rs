@@ -67,8 +67,8 @@ pub fn keep_coverage(
         }
     }
     let (_, scale, is_over) = best;
-    // Away from where much passes at once, so that it is on the same side once it is stored.
-    let scale = scale * if is_over { 1.0 + HALF_CODE / cutoff } else { 1.0 - HALF_CODE / cutoff };
+    // What passes is to pass once it is stored, too.
+    let scale = scale * if is_over { 1.0 + HALF_CODE / cutoff } else { 1.0 };
     values.iter_mut().for_each(|value| value.w = (value.w * scale).min(1.0));
     Ok(())
 }

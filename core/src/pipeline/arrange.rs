@@ -42,11 +42,7 @@ pub fn arrange_all(
     let finest: Vec<Resolutions> = materials.iter().map(finest).collect();
     let set = |resolutions: Vec<Resolutions>| -> Result<Vec<Arranged>> {
         let each = materials.iter().zip(resolutions);
-        each.map(|(material, resolutions)| {
-            let place = format!("/materials/{}", material.material);
-            lay_out(material, resolutions, options, limits).map_err(|error| error.at(place))
-        })
-        .collect()
+        each.map(|(material, resolutions)| lay_out(material, resolutions, options, limits)).collect()
     };
     if options.max_error.is_none() && options.texels.is_none() {
         return set(finest);
