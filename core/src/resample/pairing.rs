@@ -48,7 +48,7 @@ fn candidate(costs: &Costs<'_>, edge: &CanvasEdge) -> Option<WeightedEdge> {
     }
     let weight = (costs.saved_texels(a, b) * WEIGHT_STEPS).round();
     // Nothing that is not a number saves anything.
-    if !(weight >= 1.0) {
+    if weight.is_nan() || weight < 1.0 {
         return None;
     }
     let weight = weight.min(WEIGHT_MAX) as i64 * TIES + costs.tie(a) + costs.tie(b);
