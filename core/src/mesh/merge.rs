@@ -63,14 +63,11 @@ fn pair(canvas: &CanvasMesh, first: u32, second: u32) -> Option<(CanvasFace, [u3
     };
     debug_assert_eq!([b.vertices[of_b[0]], b.vertices[of_b[1]]], [from, to]);
     let vertices = [from, a.vertices[of_a[1]], to, b.vertices[of_b[2]]];
-    let edge_between = |face: &CanvasFace, one: usize, other: usize| {
-        face.edges[if (one + 1) % 3 == other { one } else { other }]
-    };
     let edges = [
-        edge_between(a, of_a[0], of_a[1]),
-        edge_between(a, of_a[1], of_a[2]),
-        edge_between(b, of_b[1], of_b[2]),
-        edge_between(b, of_b[2], of_b[0]),
+        a.edge_between(of_a[0], of_a[1])?,
+        a.edge_between(of_a[1], of_a[2])?,
+        b.edge_between(of_b[1], of_b[2])?,
+        b.edge_between(of_b[2], of_b[0])?,
     ];
     let drawn = |face: &CanvasFace, of: [usize; 3]| Drawn {
         corners: of.map(|k| face.drawn[0].corners[k]),

@@ -88,6 +88,13 @@ impl CanvasFace {
         if self.is_triangle() { &DRAWN[..1] } else { &DRAWN }
     }
 
+    /// The canvas edge between two corners; none between those of a quad's diagonal.
+    pub fn edge_between(&self, one: usize, other: usize) -> Option<u32> {
+        let follows = |from: usize, to: usize| to == (from + 1) % self.count();
+        let first = if follows(one, other) { Some(one) } else { follows(other, one).then_some(other) };
+        first.map(|corner| self.edges[corner])
+    }
+
     pub fn is_reversed(&self, edge: usize) -> bool {
         self.reversed >> edge & 1 == 1
     }

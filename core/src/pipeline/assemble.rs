@@ -108,7 +108,7 @@ fn primitives(
             let face = &canvas.faces[number];
             for (cuts, channel) in target.cuts.iter_mut().zip(&conversion.channels) {
                 let is_cut = |k: usize| {
-                    edge_between(face, place.canvas_corners[k], place.canvas_corners[(k + 1) % 3])
+                    face.edge_between(place.canvas_corners[k], place.canvas_corners[(k + 1) % 3])
                         .is_some_and(|edge| channel.cuts.edges[edge as usize])
                 };
                 cuts.bits.push((0..3).map(|k| u8::from(is_cut(k)) << k).sum());
@@ -118,17 +118,6 @@ fn primitives(
         primitives.push(target);
     }
     primitives
-}
-
-/// The canvas edge between two corners of a face; none between those of a quad's diagonal.
-fn edge_between(face: &CanvasFace, one: usize, other: usize) -> Option<u32> {
-    if other == (one + 1) % face.count() {
-        Some(face.edges[one])
-    } else if one == (other + 1) % face.count() {
-        Some(face.edges[other])
-    } else {
-        None
-    }
 }
 
 /// The table that finds blocks by their numbers, where the layout has one. A class of lone triangles is two of the
