@@ -37,12 +37,52 @@ impl Class {
     pub fn footprint(&self, level: usize) -> [u32; 2] {
         let [n, m] = self.segments(level);
         let extra = if self.is_lone { TWIN_SHIFT } else { 0 };
-        [n + extra + 1, m + 1]
+        [self.cells[0] * n + extra + 1, self.cells[1] * m + 1]
     }
 
-    /// Segments along a block's sides at a level.
+    /// Segments along a face's sides at a level.
     pub fn segments(&self, level: usize) -> [u32; 2] {
         self.exponents.map(|exponent| 1 << usize::from(exponent).saturating_sub(level))
+    }
+
+    /// Classes of blocks that come in the order of their classes, and of each block its class and its number there.
+    pub fn number(blocks: impl Iterator<Item = Self>) -> (Vec<Self>, Vec<[u32; 2]>) {
+        let mut classes: Vec<Self> = Vec::new();
+        let mut numbers = Vec::new();
+        for block in blocks {
+            let new = Self { block_count: 0, ..block };
+            if classes.last().is_none_or(|last| Self { block_count: 0, ..*last } != new) {
+                classes.push(new);
+            }
+            let class = classes.len() - 1;
+            numbers.push([class as u32, classes[class].block_count]);
+            classes[class].block_count += 1;
+        }
+        (classes, numbers)
+    }
+}
+
+/// The blocks of classes set out at every level.
+#[derive(Clone, Debug, Default)]
+pub struct Page {
+    pub classes: Vec<Class>,
+    /// Width and height by level, texels.
+    pub sizes: Vec<[u32; 2]>,
+    /// By level and class.
+    pub grids: Vec<Vec<ClassGrid>>,
+}
+
+impl Page {
+    /// Classes that come down to one size at some level have to follow each other.
+    pub fn new(classes: Vec<Class>, level_count: usize, side_limit: u32) -> Self {
+        let mut page = Self::default();
+        for level in 0..level_count {
+            let set = LevelSet::narrowest(&classes, level, side_limit);
+            page.sizes.push(set.size());
+            page.grids.push(set.class_grids(&classes));
+        }
+        page.classes = classes;
+        page
     }
 }
 
@@ -58,7 +98,16 @@ impl ClassGrid {
 pub(super) fn arrange(request: &LayoutRequest<'_>) -> Layout {
     let mut blocks = blocks(request, Place::Indexed { class: 0, number: 0 });
     blocks.sort_by_key(|block| (block.kind.is_lone(), block.exponents, block.kind.first()));
-    let classes = classify(&mut blocks);
+    let class = |block: &Block| Class {
+        cells: [1, 1],
+        exponents: block.exponents,
+        is_lone: block.kind.is_lone(),
+        block_count: 0,
+    };
+    let (classes, numbers) = Class::number(blocks.iter().map(class));
+    for (block, [class, number]) in blocks.iter_mut().zip(numbers) {
+        block.place = Place::Indexed { class, number };
+    }
     let side_limit = request.side_limit.min(SIDE_MAX);
     let mut layout = Layout { placements: placements(request, &blocks), blocks, ..Layout::default() };
     for level in 0..request.level_count {
@@ -69,22 +118,6 @@ pub(super) fn arrange(request: &LayoutRequest<'_>) -> Layout {
     }
     layout.classes = classes;
     layout
-}
-
-/// Numbers sorted blocks within their classes.
-fn classify(blocks: &mut [Block]) -> Vec<Class> {
-    let mut classes: Vec<Class> = Vec::new();
-    for block in blocks {
-        let new = Class { exponents: block.exponents, is_lone: block.kind.is_lone(), block_count: 0 };
-        let is_known = classes.last().is_some_and(|last| Class { block_count: 0, ..*last } == new);
-        if !is_known {
-            classes.push(new);
-        }
-        let class = classes.len() - 1;
-        block.place = Place::Indexed { class: class as u32, number: classes[class].block_count };
-        classes[class].block_count += 1;
-    }
-    classes
 }
 
 /// Blocks of one size at a level.

@@ -13,7 +13,7 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-pub use grids::ClassGrid;
+pub use grids::{ClassGrid, Page};
 
 use std::ops::Range;
 
@@ -90,9 +90,12 @@ pub struct Placement {
     pub shift: u32,
 }
 
-/// Blocks that are laid out in one grid: of equal sides, and of lone triangles or not.
+/// Blocks that are laid out in one grid: of equal sides and faces, and of lone triangles or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Class {
+    /// Faces along each axis.
+    pub cells: [u32; 2],
+    /// Of each of its faces.
     pub exponents: [u8; 2],
     pub is_lone: bool,
     pub block_count: u32,

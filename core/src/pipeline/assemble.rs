@@ -7,8 +7,11 @@ use crate::finished::{
     Anchor, BlockClass, BlockTable, Coordinates, Finished, FinishedPrimitive, FinishedTexture,
     FinishedTriangle, PrimitiveCuts, TableLevel,
 };
-use crate::layout::{Class, ClassGrid, Layout, Place, TWIN_SHIFT};
+use glam::Vec2;
+
+use crate::layout::{Class, ClassGrid, Layout, Page, TWIN_SHIFT};
 use crate::mesh::{CanvasFace, CanvasMesh};
+use crate::pack::Packed;
 
 use super::material::MaterialConversion;
 
@@ -79,7 +82,7 @@ fn primitives(
 ) -> Vec<FinishedPrimitive> {
     let canvas = &conversion.canvas;
     let mut primitives: Vec<FinishedPrimitive> = Vec::new();
-    let coordinates = coordinates(&conversion.layout);
+    let naming = Naming::new(conversion);
     let places = drawn_places(canvas);
     for places in places.chunk_by(|a, b| a.primitive == b.primitive) {
         let (mesh, primitive) = (places[0].primitive.0 as usize, places[0].primitive.1 as usize);
@@ -87,7 +90,7 @@ fn primitives(
             mesh,
             primitive,
             material: conversion.material,
-            coordinates: coordinates.clone(),
+            coordinates: naming.coordinates(),
             triangles: Vec::with_capacity(places.len()),
             frames: Vec::new(),
             cuts: (0..conversion.channels.len())
@@ -99,8 +102,8 @@ fn primitives(
             let number = place.canvas_face;
             target.triangles.push(FinishedTriangle {
                 vertices: place.corners.map(|corner| source.corners[corner]),
-                corners: place.canvas_corners.map(|corner| conversion.layout.corner(number, corner)),
-                anchor: anchor(&conversion.layout, number),
+                corners: naming.corners(number, place.canvas_corners),
+                anchor: naming.anchor(number),
             });
             if let Some(frames) = &conversion.frames {
                 target.frames.push(place.canvas_corners.map(|corner| frames.corners[number][corner]));
@@ -120,26 +123,22 @@ fn primitives(
     primitives
 }
 
-/// The table that finds blocks by their numbers, where the layout has one. A class of lone triangles is two of the
-/// table's: the second for the turned triangles of its blocks.
-fn coordinates(layout: &Layout) -> Coordinates {
-    if layout.classes.is_empty() {
-        return Coordinates::Scaled;
-    }
+/// The table that finds blocks by their numbers. A class of lone triangles is two of the table's: the second for the
+/// turned triangles of its blocks.
+fn table(page: &Page) -> BlockTable {
     let shifts = |class: &Class| if class.is_lone { &[0, TWIN_SHIFT][..] } else { &[0] };
     let in_table = |class: &Class| {
         let class = *class;
         shifts(&class).iter().map(move |&shift| BlockClass {
             exponents: class.exponents,
-            cells: [1, 1],
+            cells: class.cells,
             gap: [if class.is_lone { 1 + TWIN_SHIFT } else { 1 }, 1],
             shift: [shift, 0],
         })
     };
     let level = |grids: &Vec<ClassGrid>| {
         let all = || {
-            (layout.classes.iter().zip(grids))
-                .flat_map(|(class, grid)| shifts(class).iter().map(move |_| grid))
+            (page.classes.iter().zip(grids)).flat_map(|(class, grid)| shifts(class).iter().map(move |_| grid))
         };
         TableLevel {
             columns: all().map(|grid| grid.columns).collect(),
@@ -147,20 +146,61 @@ fn coordinates(layout: &Layout) -> Coordinates {
             origins: all().map(|grid| grid.origin).collect(),
         }
     };
-    Coordinates::Indexed(Arc::new(BlockTable {
-        classes: layout.classes.iter().flat_map(in_table).collect(),
-        levels: layout.grids.iter().map(level).collect(),
-    }))
+    BlockTable {
+        classes: page.classes.iter().flat_map(in_table).collect(),
+        levels: page.grids.iter().map(level).collect(),
+    }
 }
 
-fn anchor(layout: &Layout, face: usize) -> Anchor {
-    match layout.block(face).place {
-        Place::Scaled { .. } => Anchor::Offset(layout.offset(face)),
-        Place::Indexed { class, number } => {
-            let lone_before =
-                layout.classes[..class as usize].iter().filter(|class| class.is_lone).count() as u32;
-            let is_second = layout.placements[face].shift > 0;
-            Anchor::Block { class: class + lone_before + u32::from(is_second), number }
+/// How the faces of a material name texels.
+enum Naming<'a> {
+    Scaled(&'a Layout),
+    Indexed {
+        table: Arc<BlockTable>,
+        packed: &'a Packed,
+        /// By class of the page the first of the table's.
+        in_table: Vec<u32>,
+    },
+}
+
+impl<'a> Naming<'a> {
+    fn new(conversion: &'a MaterialConversion) -> Self {
+        let Some(packed) = &conversion.packed else { return Self::Scaled(&conversion.layout) };
+        let mut next = 0;
+        let in_table = packed.page.classes.iter().map(|class| {
+            let first = next;
+            next += 1 + u32::from(class.is_lone);
+            first
+        });
+        Self::Indexed { in_table: in_table.collect(), table: Arc::new(table(&packed.page)), packed }
+    }
+
+    fn coordinates(&self) -> Coordinates {
+        match self {
+            Self::Scaled(_) => Coordinates::Scaled,
+            Self::Indexed { table, .. } => Coordinates::Indexed(table.clone()),
+        }
+    }
+
+    /// Of some corners of a face.
+    fn corners(&self, face: usize, corners: [usize; 3]) -> [Vec2; 3] {
+        corners.map(|corner| match self {
+            Self::Scaled(layout) => layout.corner(face, corner),
+            Self::Indexed { packed, .. } => {
+                let [x, y] = packed.spots[face].corners[corner];
+                Vec2::new(x as f32, y as f32)
+            }
+        })
+    }
+
+    fn anchor(&self, face: usize) -> Anchor {
+        match self {
+            Self::Scaled(layout) => Anchor::Offset(layout.offset(face)),
+            Self::Indexed { packed, in_table, .. } => {
+                let spot = &packed.spots[face];
+                let class = in_table[spot.class as usize] + u32::from(spot.is_second);
+                Anchor::Block { class, number: spot.number }
+            }
         }
     }
 }
