@@ -6,7 +6,7 @@ use crate::error::{Error, ErrorCode, Result};
 use crate::layout::{Coordinates, Layout, LayoutRequest, arrange, block_texels};
 use crate::mesh::{CanvasFace, CanvasMesh};
 use crate::read::Limits;
-use crate::resample::{Candidates, Choice, Rates, resolutions, spend};
+use crate::resample::{Candidates, Choice, Rates, spend, wanted_exponents};
 use crate::watch::{self, Watch};
 
 use super::options::Options;
@@ -36,7 +36,13 @@ pub fn arrange_all(
 ) -> Result<Vec<Arranged>> {
     let is_elongated = options.coordinates == Coordinates::Indexed;
     let finest = |material: &Prepared<'_>| {
-        let all = resolutions(options.resolution, is_elongated, asset, &material.canvas, &material.sources);
+        let wanted =
+            wanted_exponents(options.resolution, is_elongated, asset, &material.canvas, &material.sources);
+        let all = if is_elongated {
+            wanted.agreeing(&material.canvas, &material.joinable)
+        } else {
+            wanted.nearest()
+        };
         if options.texels.is_some() && options.max_error.is_none() { all.finer() } else { all }
     };
     let finest: Vec<Resolutions> = materials.iter().map(finest).collect();

@@ -40,7 +40,7 @@ pub fn convert_material(
     watch: &dyn Watch,
     progress: &mut Progress<'_>,
 ) -> Result<MaterialConversion> {
-    let Prepared { material, canvas, sources, cuts, normals } = prepared;
+    let Prepared { material, canvas, sources, cuts, normals, .. } = prepared;
     let Arranged { resolutions, layout } = arranged;
     let normal_scale = sources.iter().find_map(|source| source.channel.normal_scale()).unwrap_or(1.0);
     let frames = normals.map(|normals| choose_frames(&canvas, &normals, normal_scale));

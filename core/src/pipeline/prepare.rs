@@ -20,6 +20,8 @@ pub struct Prepared<'a> {
     pub sources: Vec<SurfaceSource<'a>>,
     /// By channel.
     pub cuts: Vec<Cuts>,
+    /// By canvas edge: whether its two faces could store the same there.
+    pub joinable: Vec<bool>,
     /// By face and corner; of a material with a normal map.
     pub normals: Option<Vec<[Vec3; 4]>>,
 }
@@ -46,14 +48,15 @@ pub fn prepare<'a>(
         .collect::<Result<_>>()?;
     let has_normals = channels.iter().any(SourceChannel::is_normal);
     let normals = has_normals.then(|| normals_of(asset, &canvas));
-    let mergeable = mergeable(&canvas, &cuts, normals.as_deref());
-    let merged = merge(&canvas, &pair_triangles(&canvas, &sources, &mergeable));
+    let pairs = pair_triangles(&canvas, &sources, &joinable(&canvas, &cuts, normals.as_deref()));
+    let merged = merge(&canvas, &pairs);
     let sources = sources.iter().map(|source| source.merged(&merged)).collect();
     let kept = |cuts: &Cuts| merged.old_edges.iter().map(|&edge| cuts.edges[edge as usize]).collect();
-    let cuts = cuts.iter().map(|cuts| Cuts { edges: kept(cuts) }).collect();
+    let cuts: Vec<Cuts> = cuts.iter().map(|cuts| Cuts { edges: kept(cuts) }).collect();
     let canvas = merged.canvas;
     let normals = has_normals.then(|| normals_of(asset, &canvas));
-    Ok(Some(Prepared { material, canvas, sources, cuts, normals }))
+    let joinable = joinable(&canvas, &cuts, normals.as_deref());
+    Ok(Some(Prepared { material, canvas, sources, cuts, joinable, normals }))
 }
 
 fn canvas_of(asset: &Asset, material: usize) -> CanvasMesh {
@@ -89,9 +92,9 @@ fn normals_of(asset: &Asset, canvas: &CanvasMesh) -> Vec<[Vec3; 4]> {
     canvas.faces.iter().map(of_face).collect()
 }
 
-/// Edges across which two triangles may become one quad: no channel cuts them, and with a normal map both
-/// sides have the same normals there, since the texels of the diagonal are stored once.
-fn mergeable(canvas: &CanvasMesh, cuts: &[Cuts], normals: Option<&[[Vec3; 4]]>) -> Vec<bool> {
+/// Edges whose texels may be stored once, in a pair of triangles or in a larger block: no channel cuts them, and with
+/// a normal map both sides have the same normals there.
+fn joinable(canvas: &CanvasMesh, cuts: &[Cuts], normals: Option<&[[Vec3; 4]]>) -> Vec<bool> {
     let one = |(number, edge): (usize, &CanvasEdge)| {
         let &[a, b] = canvas.sides(edge) else { return false };
         let same_normals = |normals: &[[Vec3; 4]]| {

@@ -3,6 +3,7 @@
 //! The ladder of [`Sampling`] (method: samples from a source): a fetch at the sample, the source against the
 //! sample's hat, or the fit of all samples at once.
 
+mod agree;
 mod budget;
 mod cuts;
 mod fitted;
@@ -21,7 +22,7 @@ pub use cuts::find_cuts;
 pub use fitted::Fit;
 pub use pairing::pair_triangles;
 pub use rate::Rates;
-pub use resolution::{Resolution, resolutions};
+pub use resolution::{Resolution, WantedExponents, wanted_exponents};
 pub use samples::{Samples, Sampling, sample};
 
 /// Rows of cells that are in work at once, and columns of one window of texels.

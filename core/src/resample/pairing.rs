@@ -13,16 +13,16 @@ const TIES: i64 = 1 << 20;
 /// Coordinates that repeat a picture a thousand times save more than any texture has.
 const WEIGHT_MAX: f32 = (1u64 << 38) as f32;
 
-/// For each face the one that it is to be a quad with. `mergeable` says by canvas edge whether its two sides may become
+/// For each face the one that it is to be a quad with. `joinable` says by canvas edge whether its two sides may become
 /// one; edges that do not have exactly two different triangles never do.
 pub fn pair_triangles(
     canvas: &CanvasMesh,
     sources: &[SurfaceSource<'_>],
-    mergeable: &[bool],
+    joinable: &[bool],
 ) -> Vec<Option<u32>> {
     let costs = Costs { canvas, source: finest(canvas, sources) };
-    let candidates: Vec<WeightedEdge> = (canvas.edges.iter().zip(mergeable))
-        .filter(|(_, mergeable)| **mergeable)
+    let candidates: Vec<WeightedEdge> = (canvas.edges.iter().zip(joinable))
+        .filter(|(_, joinable)| **joinable)
         .filter_map(|(edge, _)| candidate(&costs, edge))
         .collect();
     maximum_weight_matching(canvas.faces.len(), &candidates)

@@ -25,20 +25,26 @@ pub enum Resolution {
     Density(f32),
 }
 
-/// Exponents for each face. A face of `n` by `m` segments has `n m` cells as a quad and `n²/2` as a triangle; they are
-/// matched with the area asked for, to the nearest exponents. Where faces may be elongated (MCT 3.6) a quad's cells
+/// Exponents before they are whole numbers, by face as those of [`Resolutions`].
+#[derive(Clone, Debug)]
+pub struct WantedExponents {
+    pub faces: Vec<[f32; 2]>,
+}
+
+/// The exponents that the rule asks for. A face of `n` by `m` segments has `n m` cells as a quad and `n²/2` as a triangle; they are
+/// matched with the area asked for. Where faces may be elongated (MCT 3.6) a quad's cells
 /// are as nearly square as its sides are long in the source; else, and where the rule is a fixed exponent, its two are equal.
-pub fn resolutions(
+pub fn wanted_exponents(
     rule: Resolution,
     is_elongated: bool,
     asset: &Asset,
     canvas: &CanvasMesh,
     sources: &[SurfaceSource<'_>],
-) -> Resolutions {
+) -> WantedExponents {
     let places = largest_instances(asset);
     let faces = canvas.faces.iter().enumerate().map(|(number, face)| {
         let cells = match rule {
-            Resolution::Fixed(exponent) => return [exponent; 2],
+            Resolution::Fixed(exponent) => return [exponent.into(); 2],
             Resolution::Area(factor) => {
                 let areas = sources.iter().map(|source| source.area_texels(canvas, number));
                 factor * areas.fold(0.0, f32::max)
@@ -62,7 +68,18 @@ pub fn resolutions(
         };
         [exponent((cells * aspect).sqrt()), exponent((cells / aspect).sqrt())]
     });
-    Resolutions { faces: faces.collect() }
+    WantedExponents { faces: faces.collect() }
+}
+
+impl WantedExponents {
+    pub fn nearest(&self) -> Resolutions {
+        Resolutions { faces: self.faces.iter().map(|wanted| wanted.map(nearest)).collect() }
+    }
+}
+
+/// The nearest whole exponent.
+pub(super) fn nearest(exponent: f32) -> u8 {
+    (exponent + TIE).round() as u8
 }
 
 impl Resolutions {
@@ -73,8 +90,8 @@ impl Resolutions {
     }
 }
 
-fn exponent(segments: f32) -> u8 {
-    (segments.max(1.0).log2() + TIE).round().clamp(0.0, EXPONENT_MAX) as u8
+fn exponent(segments: f32) -> f32 {
+    segments.max(1.0).log2().min(EXPONENT_MAX)
 }
 
 /// How much longer a quad is along its first axis than along its second, by the means of opposite sides.

@@ -1,6 +1,6 @@
 use glam::{Vec2, Vec3, Vec4};
 
-use super::{Resolution, Sampling, find_cuts, resolutions, sample};
+use super::{Resolution, Sampling, find_cuts, wanted_exponents, sample};
 use crate::asset::{
     AlphaMode, Asset, Face, Instance, Material, Mesh, Primitive, Slot, TextureRef, UvTransform,
 };
@@ -135,7 +135,7 @@ fn exponents_follow_their_rule() {
     let canvas = canvas_of(&asset);
     let channels = channels(&asset, 0);
     let sources = [SurfaceSource::new(&channels[0], &asset, &canvas)];
-    let with = |rule| resolutions(rule, true, &asset, &canvas, &sources).faces;
+    let with = |rule| wanted_exponents(rule, true, &asset, &canvas, &sources).nearest().faces;
     // Half of 256 texels is half of n² cells at n = 16; 0.3 of that side is 4.8 texels.
     assert_eq!(with(Resolution::Area(1.0)), [[4; 2], [2; 2]]);
     assert_eq!(with(Resolution::Area(4.0)), [[5; 2], [3; 2]]);
@@ -145,7 +145,7 @@ fn exponents_follow_their_rule() {
     // A flattened instance has no volume, but its faces have their area.
     let mut flat = asset.clone();
     flat.instances[0].transform = glam::Affine3A::from_scale(Vec3::new(3.0, 3.0, 0.0));
-    let flattened = resolutions(Resolution::Density(10.0), true, &flat, &canvas, &sources);
+    let flattened = wanted_exponents(Resolution::Density(10.0), true, &flat, &canvas, &sources).nearest();
     assert_eq!(flattened.faces, [[5; 2]; 2]);
 }
 
