@@ -3,7 +3,8 @@
 //! The source's tangents belong to the texture coordinates that go away, so the tangent is ours to choose:
 //! a coordinate axis far enough from the face's normals, made orthogonal to each corner's normal. Neighbors with
 //! one normal and one axis then have one frame and store the same values along their edge, so that they can stand in
-//! one block; so nearly all faces take the same axis.
+//! one block; so nearly all faces take the same axis. Faces that show what others show too have the source's tangents,
+//! by which they store the same as those.
 
 use glam::{Mat3, Vec3, Vec4};
 
@@ -18,9 +19,18 @@ pub struct NormalFrames {
     pub scale: f32,
 }
 
-/// Frames from corner normals (unit length).
-pub fn choose_frames(canvas: &CanvasMesh, normals: &[[Vec3; 4]], scale: f32) -> NormalFrames {
-    let corners = canvas.faces.iter().zip(normals).map(|(face, normals)| {
+/// Frames from corner normals (unit length). `given`: by face, frames that it is to have, orthonormal and all four of
+/// one handedness.
+pub fn choose_frames(
+    canvas: &CanvasMesh,
+    normals: &[[Vec3; 4]],
+    given: &[Option<[Frame; 4]>],
+    scale: f32,
+) -> NormalFrames {
+    let corners = canvas.faces.iter().zip(normals).zip(given).map(|((face, normals), given)| {
+        if let Some(given) = given {
+            return *given;
+        }
         let axis = axis_across(&normals[..face.count()]);
         normals.map(|normal| Frame { normal, tangent: tangent(normal, axis).extend(1.0) })
     });
@@ -56,6 +66,7 @@ pub(super) struct FrameLine {
 struct FrameRun {
     normal: [Vec3; 2],
     tangent: [Vec3; 2],
+    handedness: f32,
 }
 
 impl FrameRun {
@@ -68,13 +79,17 @@ impl FrameRun {
             let first = of(&frames[zero]) + by_s * line.at[0] + by_t * line.at[1];
             [first, by_s * line.step[0] + by_t * line.step[1]]
         };
-        Self { normal: run(|frame| frame.normal), tangent: run(|frame| frame.tangent.truncate()) }
+        Self {
+            normal: run(|frame| frame.normal),
+            tangent: run(|frame| frame.tangent.truncate()),
+            handedness: frames[0].tangent.w,
+        }
     }
 
-    /// A vector's components along tangent, bitangent (of a right-handed frame) and normal at a point of
-    /// the line; `None` where the frame is degenerate.
+    /// A vector's components along tangent, bitangent and normal at a point of the line; `None` where the frame is
+    /// degenerate.
     ///
-    /// With `N` and `T` as they are interpolated and `B = N × T` the frame of [`Frame::blend`] is
+    /// With `N` and `T` as they are interpolated and `B = N × T` the right-handed frame of [`Frame::blend`] is
     /// `N / |N|`, `(T |N|² - N (N · T)) / (|N| |B|)` and `B / |B|`: two square roots.
     #[inline]
     fn local(&self, number: f32, value: Vec3) -> Option<Vec3> {
@@ -88,7 +103,7 @@ impl FrameRun {
         let (per_normal, per_across) = (squared.sqrt().recip(), across_squared.sqrt().recip());
         let up = normal.dot(value);
         let along = (tangent.dot(value) * squared - up * normal.dot(tangent)) * per_normal * per_across;
-        Some(Vec3::new(along, across.dot(value) * per_across, up * per_normal))
+        Some(Vec3::new(along, across.dot(value) * per_across * self.handedness, up * per_normal))
     }
 }
 

@@ -1,1 +1,220 @@
+use glam::{Vec2, Vec3};
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
 
+use super::turn::Turn;
+use super::{Packed, Painted, pack};
+use crate::colors::{Resolutions, level_count};
+use crate::image::{Image, Pixels};
+use crate::layout::{Coordinates, Layout, LayoutRequest, TWIN_SHIFT, arrange};
+use crate::mesh::{CanvasMesh, Polygons, build};
+
+/// A sheet of `side` by `side` squares around the origin. `starts`: by square, which corner comes first and whether it
+/// is wound the other way; the first `split_count` squares are two triangles each.
+fn sheet(side: u32, starts: &[(u32, bool)], split_count: usize) -> CanvasMesh {
+    let middle = 0.5 * side as f32;
+    let positions: Vec<Vec3> = (0..(side + 1) * (side + 1))
+        .map(|k| Vec3::new((k % (side + 1)) as f32 - middle, (k / (side + 1)) as f32 - middle, 0.0))
+        .collect();
+    let mut faces = Vec::new();
+    for cell in 0..side * side {
+        let a = cell / side * (side + 1) + cell % side;
+        let (start, is_reversed) = starts[cell as usize % starts.len()];
+        let mut ring = [a, a + 1, a + side + 2, a + side + 1];
+        if is_reversed {
+            ring.reverse();
+        }
+        ring.rotate_left(start as usize % 4);
+        let [a, b, c, d] = ring;
+        if (cell as usize) < split_count {
+            faces.extend([([a, b, c, 0], 3), ([a, c, d, 0], 3)]);
+        } else {
+            faces.push((ring, 4));
+        }
+    }
+    let mut faces = faces.into_iter();
+    build([Polygons { mesh: 0, primitive: 0, positions: &positions, faces: &mut faces }])
+}
+
+struct Sheet {
+    canvas: CanvasMesh,
+    layout: Layout,
+    levels: Vec<Image>,
+}
+
+impl Sheet {
+    /// Paints `color` of the place on the sheet and of the level.
+    fn new(canvas: CanvasMesh, exponents: Vec<[u8; 2]>, color: impl Fn(Vec2, usize) -> u8) -> Self {
+        let resolutions = Resolutions { faces: exponents };
+        let level_count = level_count(&canvas, &resolutions);
+        let request = LayoutRequest {
+            canvas: &canvas,
+            resolutions: &resolutions,
+            diagonals: &vec![1; canvas.faces.len()],
+            level_count,
+            side_limit: 4096,
+            coordinates: Coordinates::Indexed,
+        };
+        let layout = arrange(&request).unwrap();
+        let levels = (0..level_count).map(|level| {
+            let [width, height] = layout.sizes[level];
+            let mut codes = vec![0; (width * height) as usize];
+            for face in 0..canvas.faces.len() {
+                let at =
+                    |corner: usize| canvas.positions[canvas.faces[face].vertices[corner] as usize].truncate();
+                let place = |corner: usize| layout.place(face, corner, level);
+                for [s, t] in points(&canvas, &resolutions, face, level) {
+                    let texel = across(place, &canvas, face, s, t);
+                    codes[texel.y as usize * width as usize + texel.x as usize] =
+                        color(across(at, &canvas, face, s, t), level);
+                }
+            }
+            Image { width, height, components: 1, pixels: Pixels::U8(codes) }
+        });
+        let levels = levels.collect();
+        Self { canvas, layout, levels }
+    }
+
+    fn packed(&self, shares: bool) -> Packed {
+        pack(&self.painted(), shares, 4096)
+    }
+
+    fn painted(&self) -> Painted<'_> {
+        Painted { canvas: &self.canvas, layout: &self.layout, images: vec![&self.levels] }
+    }
+}
+
+/// The points of a face's grid at a level, on its unit domain.
+fn points(canvas: &CanvasMesh, resolutions: &Resolutions, face: usize, level: usize) -> Vec<[f32; 2]> {
+    let [n, m] = resolutions.faces[face].map(|exponent| 1u32 << usize::from(exponent).saturating_sub(level));
+    let all = (0..=m).flat_map(|j| (0..=n).map(move |i| (i, j)));
+    let is_triangle = canvas.faces[face].is_triangle();
+    all.filter(|(i, j)| !is_triangle || i + j <= n)
+        .map(|(i, j)| [i as f32 / n as f32, j as f32 / m as f32])
+        .collect()
+}
+
+/// What corners have, at `(s, t)` of a face.
+fn across(of: impl Fn(usize) -> Vec2, canvas: &CanvasMesh, face: usize, s: f32, t: f32) -> Vec2 {
+    let last = canvas.faces[face].count() - 1;
+    of(0) + s * (of(1) - of(0)) + t * (of(last) - of(0))
+}
+
+/// Reads every point of every face from the new images as a viewer does, and compares.
+fn is_unchanged(sheet: &Sheet, packed: &Packed, resolutions: &Resolutions) -> Result<(), TestCaseError> {
+    let images = packed.images(&sheet.layout, &sheet.levels);
+    let code = |image: &Image, place: Vec2| match &image.pixels {
+        Pixels::U8(codes) => codes[place.y as usize * image.width as usize + place.x as usize],
+        Pixels::U16(_) => unreachable!(),
+    };
+    for (level, (old, new)) in sheet.levels.iter().zip(&images).enumerate() {
+        for (face, spot) in packed.spots.iter().enumerate() {
+            let class = &packed.page.classes[spot.class as usize];
+            let grid = &packed.page.grids[level][spot.class as usize];
+            let [x, y] = grid.first_texel(class, level, spot.number);
+            let first = Vec2::new(x as f32 + if spot.is_second { TWIN_SHIFT as f32 } else { 0.0 }, y as f32);
+            let [n, m] = class.segments(level);
+            let place = |corner: usize| {
+                let [x, y] = spot.corners[corner];
+                first + Vec2::new((x * n) as f32 + 0.5, (y * m) as f32 + 0.5)
+            };
+            for [s, t] in points(&sheet.canvas, resolutions, face, level) {
+                let was = across(|corner| sheet.layout.place(face, corner, level), &sheet.canvas, face, s, t);
+                let is = across(place, &sheet.canvas, face, s, t);
+                prop_assert_eq!(code(old, was), code(new, is), "level {}, face {}, {} {}", level, face, s, t);
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn turns_follow_each_other() {
+    for (one, two) in Turn::all().flat_map(|one| Turn::all().map(move |two| (one, two))) {
+        for point in [[0, 0], [3, 0], [1, 2], [0, 5]] {
+            let size = [3, 5];
+            let both = one.then(two).point(point, size);
+            assert_eq!(both, two.point(one.point(point, size), one.pair(size)));
+        }
+    }
+}
+
+/// Sixteen squares with one picture over all of them are one block that has each line once.
+#[test]
+fn what_goes_on_over_edges_is_one_block() {
+    let resolutions = vec![[2, 2]; 16];
+    let canvas = sheet(4, &[(0, false), (1, false), (3, true), (2, true)], 0);
+    let gradient = |at: Vec2, _: usize| (at.x * 20.0 + at.y * 7.0 + 128.0) as u8;
+    let sheet = Sheet::new(canvas, resolutions.clone(), gradient);
+    let packed = sheet.packed(true);
+    assert_eq!(packed.page.sizes[0], [17 + 1 - 1, 17]);
+    assert_eq!(packed.page.sizes[2], [5, 5]);
+    assert_eq!((packed.joined_count, packed.shared_count), (16, 0));
+    is_unchanged(&sheet, &packed, &Resolutions { faces: resolutions }).unwrap();
+}
+
+/// Tiles and mirrored halves need their texels once, unless that is switched off.
+#[test]
+fn what_repeats_is_stored_once() {
+    let tile = |at: Vec2, _: usize| {
+        let [x, y] = at.to_array().map(|at| (at.rem_euclid(1.0) * 4.0).round() % 4.0);
+        (x * 50.0 + y * y * 7.0) as u8
+    };
+    let starts = [(0, false), (1, false), (2, false), (3, false)];
+    let tiles = Sheet::new(sheet(4, &starts, 0), vec![[2, 2]; 16], tile);
+    let packed = tiles.packed(true);
+    assert_eq!((packed.shared_count, packed.page.sizes[0]), (15, [5, 5]));
+    is_unchanged(&tiles, &packed, &Resolutions { faces: vec![[2, 2]; 16] }).unwrap();
+    assert_eq!(tiles.packed(false).shared_count, 0);
+
+    let mirrored = |at: Vec2, _: usize| (at.x.abs() * 40.0 + at.y * 9.0 + 60.0) as u8;
+    let halves = Sheet::new(sheet(4, &[(0, false)], 0), vec![[2, 1]; 16], mirrored);
+    let packed = halves.packed(true);
+    assert_eq!((packed.shared_count, packed.joined_count), (8, 8));
+    is_unchanged(&halves, &packed, &Resolutions { faces: vec![[2, 1]; 16] }).unwrap();
+}
+
+/// One texel that differs at one level keeps two faces apart.
+#[test]
+fn every_level_counts() {
+    let tile = |at: Vec2, level: usize| {
+        if level == 2 && at == Vec2::new(0.0, 1.0) {
+            9
+        } else {
+            (at.rem_euclid(Vec2::ONE).length() * 90.0) as u8
+        }
+    };
+    let tiles = Sheet::new(sheet(2, &[(0, false)], 0), vec![[2, 2]; 4], tile);
+    let (all, level_2) = (tiles.packed(true), tiles.levels[2].size());
+    assert_eq!(all.shared_count, 2, "{level_2:?}");
+}
+
+proptest! {
+    #![proptest_config(Config { cases: 64, rng_seed: RngSeed::Fixed(7), failure_persistence: None, ..Config::default() })]
+
+    /// Whatever is shared and joined, every face reads what was painted for it, and needs no more texels.
+    #[test]
+    fn nothing_that_is_read_changes(
+        starts in prop::collection::vec((0u32..4, any::<bool>()), 9),
+        split_count in 0usize..9,
+        exponents in prop::collection::vec((0u8..3, 0u8..3), 9),
+        are_equal in any::<bool>(),
+        period in prop::sample::select(vec![1.0f32, 1.5, 3.0]),
+        steps in 1u8..20,
+    ) {
+        let canvas = sheet(3, &starts, split_count);
+        let exponents: Vec<[u8; 2]> = canvas.faces.iter().enumerate().map(|(number, face)| {
+            let (r, s) = exponents[if are_equal { 0 } else { number % 9 }];
+            if face.is_triangle() { [r; 2] } else { [r, s] }
+        }).collect();
+        let color = |at: Vec2, _: usize| {
+            let at = (at - period * (at / period).round()).abs();
+            (at.dot(Vec2::new(3.0, 2.0)) * f32::from(steps)) as u8
+        };
+        let sheet = Sheet::new(canvas, exponents.clone(), color);
+        for shares in [false, true] {
+            let packed = sheet.packed(shares);
+            is_unchanged(&sheet, &packed, &Resolutions { faces: exponents.clone() })?;
+        }
+    }
+}

@@ -43,7 +43,12 @@ pub fn convert_material(
     let Prepared { material, canvas, sources, cuts, normals, .. } = prepared;
     let Arranged { resolutions, layout } = arranged;
     let normal_scale = sources.iter().find_map(|source| source.channel.normal_scale()).unwrap_or(1.0);
-    let frames = normals.map(|normals| choose_frames(&canvas, &normals, normal_scale));
+    let frames = normals.map(|normals| {
+        let normal_map = sources.iter().find(|source| source.channel.is_normal());
+        let given = normal_map.filter(|_| options.shares).map(|source| source.repeated_frames(&canvas));
+        let given = given.unwrap_or_else(|| vec![None; canvas.faces.len()]);
+        choose_frames(&canvas, &normals, &given, normal_scale)
+    });
     let mut finished = Vec::with_capacity(sources.len());
     let mut rooms = Rooms::default();
     for (source, cuts) in sources.iter().zip(cuts) {

@@ -54,15 +54,18 @@ fn best(
     });
     let agreeing = |exponents: [u8; 2]| {
         let edges = canvas.faces[face].edges.iter().enumerate();
-        edges.filter(|&(_, &edge)| joinable[edge as usize]).filter(|&(k, &edge)| {
-            let own = [exponents[k % 2], exponents[1 - k % 2]];
-            canvas.sides(&canvas.edges[edge as usize]).iter().any(|side| {
-                let other = side.face as usize;
-                let along = resolutions.along(other, side.edge.into());
-                let across = resolutions.along(other, usize::from(side.edge) + 1);
-                other != face && !canvas.faces[other].is_triangle() && [along, across] == own
+        edges
+            .filter(|&(_, &edge)| joinable[edge as usize])
+            .filter(|&(k, &edge)| {
+                let own = [exponents[k % 2], exponents[1 - k % 2]];
+                canvas.sides(&canvas.edges[edge as usize]).iter().any(|side| {
+                    let other = side.face as usize;
+                    let along = resolutions.along(other, side.edge.into());
+                    let across = resolutions.along(other, usize::from(side.edge) + 1);
+                    other != face && !canvas.faces[other].is_triangle() && [along, across] == own
+                })
             })
-        }).count()
+            .count()
     };
     let [[r, other_r], [s, other_s]] = choices;
     let all = [[r, s], [other_r, s], [r, other_s], [other_r, other_s]];

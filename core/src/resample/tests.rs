@@ -1,6 +1,6 @@
 use glam::{Vec2, Vec3, Vec4};
 
-use super::{Resolution, Sampling, find_cuts, wanted_exponents, sample};
+use super::{Resolution, Sampling, find_cuts, sample, wanted_exponents};
 use crate::asset::{
     AlphaMode, Asset, Face, Instance, Material, Mesh, Primitive, Slot, TextureRef, UvTransform,
 };

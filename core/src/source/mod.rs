@@ -1,6 +1,7 @@
 //! A color at a surface point: what the model showed before the conversion.
 
 mod reader;
+mod repeated;
 pub mod tangents;
 pub mod texture;
 

@@ -217,17 +217,22 @@ pub(super) fn decode_normal(stored: Vec3, scale: f32, frame: glam::Mat3) -> Vec3
 
 /// Moves a triangle by whole images towards texel 0, so that large coordinates keep their fractions.
 fn near_origin(mut places: [Vec2; 3], channel: &SourceChannel<'_>) -> [Vec2; 3] {
+    let period = period_texels(channel);
+    let whole = (places[0] / period).floor() * period;
+    let whole = Vec2::select(whole.is_finite_mask(), whole, Vec2::ZERO);
+    places.iter_mut().for_each(|place| *place -= whole);
+    places
+}
+
+/// After how many texels a texture repeats.
+pub(super) fn period_texels(channel: &SourceChannel<'_>) -> Vec2 {
     let Wrap { s, t } = channel.texture.wrap;
     let period = |mode: WrapMode, size: u32| match mode {
         WrapMode::Repeat => size as f32,
         WrapMode::MirroredRepeat => 2.0 * size as f32,
         WrapMode::ClampToEdge => f32::INFINITY,
     };
-    let period = Vec2::new(period(s, channel.image.width), period(t, channel.image.height));
-    let whole = (places[0] / period).floor() * period;
-    let whole = Vec2::select(whole.is_finite_mask(), whole, Vec2::ZERO);
-    places.iter_mut().for_each(|place| *place -= whole);
-    places
+    Vec2::new(period(s, channel.image.width), period(t, channel.image.height))
 }
 
 fn corner_frames(channel: &SourceChannel<'_>, asset: &Asset, canvas: &CanvasMesh) -> Vec<Drawings<Frame>> {

@@ -45,7 +45,7 @@ fn samples_lose_and_regain_the_normals_of_the_mesh() {
     let at_vertex =
         |vertex: u32| Vec3::new((vertex as f32).sin(), (vertex as f32 * 2.0).cos(), 1.0).normalize();
     let normals: Vec<_> = canvas.faces.iter().map(|face| face.vertices.map(at_vertex)).collect();
-    let frames = choose_frames(&canvas, &normals, 1.0);
+    let frames = choose_frames(&canvas, &normals, &vec![None; canvas.faces.len()], 1.0);
     let resolutions = Resolutions { faces: vec![[4, 3], [3, 3]] };
     let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
     let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
