@@ -17,6 +17,7 @@ pub use crate::measure::Focus;
 pub use crate::mip::{Beyond, MipFilter};
 pub use crate::resample::{Resolution, Sampling};
 pub use crate::solve::Solver;
+pub use crate::write::textures::TextureFormat;
 pub use options::{OPTIONS, OptionSpec, Options, Quality};
 
 use crate::asset::Asset;
@@ -44,7 +45,7 @@ pub struct Conversion {
     pub asset: Asset,
     pub finished: Finished,
     pub report: Report,
-    /// `asset.glb` and `report.json`, deterministic to the byte.
+    /// `asset.glb`, `report.json` and the loose textures asked for, deterministic to the byte.
     pub files: Vec<BundleFile>,
     /// Where a picture should look: the edge on which the source's mip maps disagree most although its
     /// level 0 agrees.
@@ -99,14 +100,17 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     let measured = measure::converted(asset, &finished, &extras, watch)?;
     progress.part(1.0);
     progress.advance(MEASURE_SHARE);
-    let glb = write::glb(asset, &finished, watch)?;
+    let pngs = write::encode(&finished, watch)?;
+    let loose = write::textures::files(asset, &finished, &pngs, &options.textures, watch)?;
+    let glb = write::glb_of(asset, &finished, pngs, watch)?;
     let focus = measured.focus;
     let converted = report::Converted { asset, finished: &finished, materials: &materials };
     let report = report::of_conversion(&converted, measured, options, glb.len() as u64);
-    let files = vec![
+    let mut files = vec![
         BundleFile { path: "asset.glb".into(), bytes: glb },
         BundleFile { path: "report.json".into(), bytes: report::to_bytes(&report)? },
     ];
+    files.extend(loose);
     watch.progress(1.0);
     Ok(Product { finished, report, files, focus })
 }

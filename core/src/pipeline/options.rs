@@ -1,6 +1,8 @@
 //! The options of a conversion, each defined once: flags, HTTP fields, OpenAPI and the docs come from
 //! [`OPTIONS`].
 
+use std::collections::BTreeSet;
+
 use serde_json::{Map, Value};
 
 use crate::assign::{Range, Rounding};
@@ -8,6 +10,7 @@ use crate::error::{Error, ErrorCode, Result};
 use crate::mip::{Beyond, MipFilter};
 use crate::resample::{Resolution, Sampling};
 use crate::solve::Solver;
+use crate::write::textures::TextureFormat;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -22,6 +25,8 @@ pub struct Options {
     pub rounding: Rounding,
     /// Edges whose two sides differ by more than this many codes are kept as cuts.
     pub cut_codes: f32,
+    /// What the levels come along as, beside `asset.glb`.
+    pub textures: BTreeSet<TextureFormat>,
 }
 
 impl Default for Options {
@@ -54,6 +59,9 @@ const SOLVERS: &[(&str, Solver)] = &[
 const RANGES: &[(&str, Range)] =
     &[("unorm8", Range::Unorm8), ("scaled16", Range::Scaled16), ("float16", Range::Float16)];
 const ROUNDINGS: &[(&str, Rounding)] = &[("nearest", Rounding::Nearest), ("rules", Rounding::Rules)];
+const TEXTURES: &[(&str, TextureFormat)] =
+    &[("png", TextureFormat::Png), ("ktx2", TextureFormat::Ktx2), ("exr", TextureFormat::Exr)];
+const NO_TEXTURES: &str = "none";
 
 /// One option as every interface shows it.
 #[derive(Clone, Copy, Debug)]
@@ -155,6 +163,15 @@ pub const OPTIONS: &[OptionSpec] = &[
         allowed: "0..=255 (8-bit codes; 2 codes stand for 1 degree of a normal)",
         doc: "Edges whose two sides differ by more than this at full resolution keep their two sides",
     },
+    OptionSpec {
+        name: "textures",
+        value_name: "FORMATS",
+        default: NO_TEXTURES,
+        follows_quality: false,
+        rungs: &[],
+        allowed: "none, or one or several of png, ktx2, exr with commas between them",
+        doc: "The levels as loose files too, one for each, for engines that load textures by themselves",
+    },
 ];
 
 impl Options {
@@ -170,6 +187,7 @@ impl Options {
             range: Range::Float16,
             rounding: Rounding::Rules,
             cut_codes: 8.0,
+            textures: BTreeSet::new(),
         };
         match quality {
             Quality::Draft => {
@@ -182,7 +200,8 @@ impl Options {
 
     /// Sets every rung to those of a preset.
     fn set_quality(&mut self, quality: Quality) {
-        *self = Self { cut_codes: self.cut_codes, ..Self::of(quality) };
+        let textures = std::mem::take(&mut self.textures);
+        *self = Self { cut_codes: self.cut_codes, textures, ..Self::of(quality) };
     }
 
     /// Sets one option from its text form. `quality` sets all rungs, so it comes before them.
@@ -203,6 +222,7 @@ impl Options {
             "cut" => {
                 self.cut_codes = in_range(value, 0.0, 255.0).ok_or_else(refuse)?;
             }
+            "textures" => self.textures = parse_textures(value)?,
             _ => {
                 let names: Vec<_> = OPTIONS.iter().map(|spec| spec.name).collect();
                 return Err(Error::new(
@@ -241,6 +261,8 @@ impl Options {
             Sampling::Filtered(Some(count)) => format!("filtered:{count}"),
             named => name_of(SAMPLINGS, named).to_owned(),
         };
+        let textures: Vec<_> = self.textures.iter().map(|format| name_of(TEXTURES, *format)).collect();
+        let textures = if textures.is_empty() { NO_TEXTURES.to_owned() } else { textures.join(",") };
         let values = [
             name_of(QUALITIES, self.quality).into(),
             sampling.into(),
@@ -251,6 +273,7 @@ impl Options {
             name_of(RANGES, self.range).into(),
             name_of(ROUNDINGS, self.rounding).into(),
             f64::from(self.cut_codes).into(),
+            textures.into(),
         ];
         OPTIONS.iter().map(|spec| spec.name.to_owned()).zip(values).collect()
     }
@@ -297,6 +320,24 @@ fn parse_resolution(value: &str) -> Option<Resolution> {
     }
 }
 
+fn parse_textures(value: &str) -> Result<BTreeSet<TextureFormat>> {
+    if value == NO_TEXTURES {
+        return Ok(BTreeSet::new());
+    }
+    let format = |name: &str| match name.trim() {
+        "jpeg" | "jpg" => {
+            let mut error = refused("textures", value);
+            error.detail.push_str(
+                "; JPEG is not: it changes the texels on the two sides of an edge differently, so seams would \
+                 come back",
+            );
+            Err(error)
+        }
+        name => named(TEXTURES, name).ok_or_else(|| refused("textures", value)),
+    };
+    value.split(',').map(format).collect()
+}
+
 fn in_range(value: &str, low: f32, high: f32) -> Option<f32> {
     value.parse::<f32>().ok().filter(|v| (low..=high).contains(v))
 }
@@ -332,5 +373,28 @@ mod tests {
             let is_ladder = spec.name != "quality" && spec.name != "resolution" && spec.follows_quality;
             assert_eq!(is_ladder || spec.name == "quality", !spec.rungs.is_empty(), "{}", spec.name);
         }
+    }
+
+    #[test]
+    fn loose_textures_are_a_list_without_jpeg() {
+        let mut options = Options::default();
+        for (value, told) in [("exr, png,exr", "png,exr"), ("ktx2", "ktx2"), ("none", "none")] {
+            options.set("textures", value).unwrap();
+            assert_eq!(options.to_json()["textures"], told);
+            assert_eq!(Options::from_json(&options.to_json()).unwrap(), options);
+        }
+        options.set("textures", "exr").unwrap();
+        options.set("quality", "draft").unwrap();
+        assert_eq!(options.textures, BTreeSet::from([TextureFormat::Exr]));
+        for value in ["jpeg", "png,jpg"] {
+            let error = options.set("textures", value).unwrap_err();
+            assert!(error.detail.contains("seams would come back"), "{error}");
+            assert_eq!(error.pointer.as_deref(), Some("/textures"));
+        }
+        for value in ["", "png,", "png,none", "PNG", "webp"] {
+            let error = options.set("textures", value).unwrap_err();
+            assert!(error.detail.contains("allowed: none") && !error.detail.contains("JPEG"), "{error}");
+        }
+        assert_eq!(options.textures, BTreeSet::from([TextureFormat::Exr]));
     }
 }
