@@ -86,6 +86,7 @@ pub fn files(
         return Ok(Vec::new());
     }
     let folders = folders(asset, finished)?;
+    watch.step(Some("textures"));
     let all: Result<Vec<Vec<BundleFile>>> = finished
         .textures
         .par_iter()
@@ -110,6 +111,7 @@ pub fn files(
             })
         })
         .collect();
+    watch.step(None);
     Ok(all?.into_iter().flatten().collect())
 }
 
