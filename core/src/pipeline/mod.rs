@@ -4,6 +4,7 @@ mod assemble;
 mod bare_normals;
 mod changes;
 mod channel;
+mod compression;
 mod material;
 pub mod options;
 mod progress;
@@ -17,7 +18,7 @@ pub use crate::measure::Focus;
 pub use crate::mip::{Beyond, MipFilter};
 pub use crate::resample::{Resolution, Sampling};
 pub use crate::solve::Solver;
-pub use crate::write::textures::TextureFormat;
+pub use crate::write::textures::{BlockFormat, TextureFormat};
 pub use options::{OPTIONS, OptionSpec, Options, Quality};
 
 use crate::asset::Asset;
@@ -90,6 +91,7 @@ pub struct Product {
 /// # Errors
 /// As [`convert_asset`].
 pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &dyn Watch) -> Result<Product> {
+    options.check()?;
     let mut progress = Progress::new(watch);
     progress.part(1.0);
     progress.advance(READ_SHARE);
@@ -100,12 +102,16 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     let measured = measure::converted(asset, &finished, &extras, watch)?;
     progress.part(1.0);
     progress.advance(MEASURE_SHARE);
+    let blocks = compression::compress(asset, &finished, &measured.channels, options, watch)?;
     let pngs = write::encode(&finished, watch)?;
-    let loose = write::textures::files(asset, &finished, &pngs, &options.textures, watch)?;
+    let compressed = blocks.as_ref().map(|blocks| &blocks.compressed);
+    let source = write::textures::Source { asset, finished: &finished, pngs: &pngs, compressed };
+    let loose = write::textures::files(&source, &options.textures, watch)?;
     let glb = write::glb_of(asset, &finished, pngs, watch)?;
     let focus = measured.focus;
     let converted = report::Converted { asset, finished: &finished, materials: &materials };
-    let report = report::of_conversion(&converted, measured, options, glb.len() as u64);
+    let mut report = report::of_conversion(&converted, measured, options, glb.len() as u64);
+    report.compression = blocks.map(|blocks| blocks.reports).unwrap_or_default();
     let mut files = vec![
         BundleFile { path: "asset.glb".into(), bytes: glb },
         BundleFile { path: "report.json".into(), bytes: report::to_bytes(&report)? },

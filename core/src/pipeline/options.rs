@@ -1,6 +1,10 @@
 //! The options of a conversion, each defined once: flags, HTTP fields, OpenAPI and the docs come from
 //! [`OPTIONS`].
 
+#[cfg(test)]
+mod tests;
+mod text;
+
 use std::collections::BTreeSet;
 
 use serde_json::{Map, Value};
@@ -10,7 +14,9 @@ use crate::error::{Error, ErrorCode, Result};
 use crate::mip::{Beyond, MipFilter};
 use crate::resample::{Resolution, Sampling};
 use crate::solve::Solver;
-use crate::write::textures::TextureFormat;
+use crate::write::textures::{BlockFormat, TextureFormat};
+
+use text::{NONE, in_range, list, name_of, named, names, parse_list};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -27,6 +33,8 @@ pub struct Options {
     pub cut_codes: f32,
     /// What the levels come along as, beside `asset.glb`.
     pub textures: BTreeSet<TextureFormat>,
+    /// What KTX2 files hold instead of texels, where it fits.
+    pub compress: BTreeSet<BlockFormat>,
 }
 
 impl Default for Options {
@@ -61,7 +69,12 @@ const RANGES: &[(&str, Range)] =
 const ROUNDINGS: &[(&str, Rounding)] = &[("nearest", Rounding::Nearest), ("rules", Rounding::Rules)];
 const TEXTURES: &[(&str, TextureFormat)] =
     &[("png", TextureFormat::Png), ("ktx2", TextureFormat::Ktx2), ("exr", TextureFormat::Exr)];
-const NO_TEXTURES: &str = "none";
+const BLOCKS: &[(&str, BlockFormat)] = &[
+    ("bc7", BlockFormat::Bc7),
+    ("bc5", BlockFormat::Bc5),
+    ("bc6h", BlockFormat::Bc6h),
+    ("astc", BlockFormat::Astc),
+];
 
 /// One option as every interface shows it.
 #[derive(Clone, Copy, Debug)]
@@ -166,11 +179,20 @@ pub const OPTIONS: &[OptionSpec] = &[
     OptionSpec {
         name: "textures",
         value_name: "FORMATS",
-        default: NO_TEXTURES,
+        default: NONE,
         follows_quality: false,
         rungs: &[],
         allowed: "none, or one or several of png, ktx2, exr with commas between them",
         doc: "The levels as loose files too, one for each, for engines that load textures by themselves",
+    },
+    OptionSpec {
+        name: "compress",
+        value_name: "FORMATS",
+        default: NONE,
+        follows_quality: false,
+        rungs: &[],
+        allowed: "none, or one or several of bc7 or astc (8 bits), bc5 (normal maps, two components of data), bc6h (levels in a range of their own, without alpha) with commas between them; textures has to have ktx2",
+        doc: "What the loose KTX2 files hold: blocks that GPUs decode as they sample, where a format fits the level. The two sides of an edge come out differently, and the report says by how much",
     },
 ];
 
@@ -188,6 +210,7 @@ impl Options {
             rounding: Rounding::Rules,
             cut_codes: 8.0,
             textures: BTreeSet::new(),
+            compress: BTreeSet::new(),
         };
         match quality {
             Quality::Draft => {
@@ -200,8 +223,8 @@ impl Options {
 
     /// Sets every rung to those of a preset.
     fn set_quality(&mut self, quality: Quality) {
-        let textures = std::mem::take(&mut self.textures);
-        *self = Self { cut_codes: self.cut_codes, textures, ..Self::of(quality) };
+        let Self { cut_codes, textures, compress, .. } = self.clone();
+        *self = Self { cut_codes, textures, compress, ..Self::of(quality) };
     }
 
     /// Sets one option from its text form. `quality` sets all rungs, so it comes before them.
@@ -223,6 +246,9 @@ impl Options {
                 self.cut_codes = in_range(value, 0.0, 255.0).ok_or_else(refuse)?;
             }
             "textures" => self.textures = parse_textures(value)?,
+            "compress" => {
+                self.compress = parse_list(BLOCKS, value).filter(is_one_way).ok_or_else(refuse)?;
+            }
             _ => {
                 let names: Vec<_> = OPTIONS.iter().map(|spec| spec.name).collect();
                 return Err(Error::new(
@@ -247,7 +273,24 @@ impl Options {
                 other => return Err(refused(name, &other.to_string())),
             }
         }
+        options.check()?;
         Ok(options)
+    }
+
+    /// Whether the options go together; each alone was checked as it was set.
+    ///
+    /// # Errors
+    /// `InvalidOptions`, naming the option that cannot be met.
+    pub fn check(&self) -> Result<()> {
+        if self.compress.is_empty() || self.textures.contains(&TextureFormat::Ktx2) {
+            return Ok(());
+        }
+        let detail = format!(
+            "compress = \"{}\" is about loose KTX2 files, and textures = \"{}\" asks for none; add ktx2 to textures",
+            list(BLOCKS, &self.compress),
+            list(TEXTURES, &self.textures)
+        );
+        Err(Error::new(ErrorCode::InvalidOptions, detail).at("/compress"))
     }
 
     /// Every option with its value, in the order of [`OPTIONS`].
@@ -261,8 +304,6 @@ impl Options {
             Sampling::Filtered(Some(count)) => format!("filtered:{count}"),
             named => name_of(SAMPLINGS, named).to_owned(),
         };
-        let textures: Vec<_> = self.textures.iter().map(|format| name_of(TEXTURES, *format)).collect();
-        let textures = if textures.is_empty() { NO_TEXTURES.to_owned() } else { textures.join(",") };
         let values = [
             name_of(QUALITIES, self.quality).into(),
             sampling.into(),
@@ -273,30 +314,11 @@ impl Options {
             name_of(RANGES, self.range).into(),
             name_of(ROUNDINGS, self.rounding).into(),
             f64::from(self.cut_codes).into(),
-            textures.into(),
+            list(TEXTURES, &self.textures).into(),
+            list(BLOCKS, &self.compress).into(),
         ];
         OPTIONS.iter().map(|spec| spec.name.to_owned()).zip(values).collect()
     }
-}
-
-/// The names of a table, for [`OptionSpec::rungs`].
-const fn names<T, const COUNT: usize>(table: &[(&'static str, T)]) -> [&'static str; COUNT] {
-    assert!(table.len() == COUNT);
-    let mut names = [""; COUNT];
-    let mut at = 0;
-    while at < COUNT {
-        names[at] = table[at].0;
-        at += 1;
-    }
-    names
-}
-
-fn named<T: Copy>(table: &[(&str, T)], value: &str) -> Option<T> {
-    table.iter().find(|(name, _)| *name == value).map(|(_, rung)| *rung)
-}
-
-fn name_of<T: PartialEq>(table: &[(&'static str, T)], value: T) -> &'static str {
-    table.iter().find(|(_, rung)| *rung == value).map_or("", |(name, _)| name)
 }
 
 fn parse_sampling(value: &str) -> Option<Sampling> {
@@ -321,80 +343,23 @@ fn parse_resolution(value: &str) -> Option<Resolution> {
 }
 
 fn parse_textures(value: &str) -> Result<BTreeSet<TextureFormat>> {
-    if value == NO_TEXTURES {
-        return Ok(BTreeSet::new());
+    if value.split(',').any(|name| matches!(name.trim(), "jpeg" | "jpg")) {
+        let mut error = refused("textures", value);
+        error.detail.push_str(
+            "; JPEG is not: it changes the texels on the two sides of an edge differently, so seams would come back",
+        );
+        return Err(error);
     }
-    let format = |name: &str| match name.trim() {
-        "jpeg" | "jpg" => {
-            let mut error = refused("textures", value);
-            error.detail.push_str(
-                "; JPEG is not: it changes the texels on the two sides of an edge differently, so seams would \
-                 come back",
-            );
-            Err(error)
-        }
-        name => named(TEXTURES, name).ok_or_else(|| refused("textures", value)),
-    };
-    value.split(',').map(format).collect()
+    parse_list(TEXTURES, value).ok_or_else(|| refused("textures", value))
 }
 
-fn in_range(value: &str, low: f32, high: f32) -> Option<f32> {
-    value.parse::<f32>().ok().filter(|v| (low..=high).contains(v))
+/// BC7 and ASTC are for the same levels.
+fn is_one_way(formats: &BTreeSet<BlockFormat>) -> bool {
+    !formats.is_superset(&BTreeSet::from([BlockFormat::Bc7, BlockFormat::Astc]))
 }
 
 fn refused(name: &str, value: &str) -> Error {
     let allowed = OPTIONS.iter().find(|spec| spec.name == name).map_or("", |spec| spec.allowed);
     Error::new(ErrorCode::InvalidOptions, format!("{name} = \"{value}\" is not allowed; allowed: {allowed}"))
         .at(format!("/{name}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn told_defaults_are_the_defaults() {
-        for spec in OPTIONS {
-            let mut options = Options::default();
-            options.set(spec.name, spec.default).unwrap();
-            assert_eq!(options, Options::default(), "{}", spec.name);
-        }
-    }
-
-    #[test]
-    fn rungs_are_values_that_are_told_and_read_back() {
-        for spec in OPTIONS {
-            for rung in spec.rungs {
-                let mut options = Options::default();
-                options.set(spec.name, rung).unwrap();
-                assert_eq!(options.to_json()[spec.name], *rung);
-                assert!(spec.allowed.contains(rung), "{} does not tell {rung}", spec.name);
-            }
-            let is_ladder = spec.name != "quality" && spec.name != "resolution" && spec.follows_quality;
-            assert_eq!(is_ladder || spec.name == "quality", !spec.rungs.is_empty(), "{}", spec.name);
-        }
-    }
-
-    #[test]
-    fn loose_textures_are_a_list_without_jpeg() {
-        let mut options = Options::default();
-        for (value, told) in [("exr, png,exr", "png,exr"), ("ktx2", "ktx2"), ("none", "none")] {
-            options.set("textures", value).unwrap();
-            assert_eq!(options.to_json()["textures"], told);
-            assert_eq!(Options::from_json(&options.to_json()).unwrap(), options);
-        }
-        options.set("textures", "exr").unwrap();
-        options.set("quality", "draft").unwrap();
-        assert_eq!(options.textures, BTreeSet::from([TextureFormat::Exr]));
-        for value in ["jpeg", "png,jpg"] {
-            let error = options.set("textures", value).unwrap_err();
-            assert!(error.detail.contains("seams would come back"), "{error}");
-            assert_eq!(error.pointer.as_deref(), Some("/textures"));
-        }
-        for value in ["", "png,", "png,none", "PNG", "webp"] {
-            let error = options.set("textures", value).unwrap_err();
-            assert!(error.detail.contains("allowed: none") && !error.detail.contains("JPEG"), "{error}");
-        }
-        assert_eq!(options.textures, BTreeSet::from([TextureFormat::Exr]));
-    }
 }

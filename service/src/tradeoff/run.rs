@@ -45,7 +45,7 @@ pub struct Manner<'a> {
 /// asset is a result.
 pub fn run(subject: &Subject<'_>, base: &Options, manner: &Manner<'_>, watch: &JobWatch) -> Result<Tradeoff> {
     // Only reports are kept.
-    let base = &Options { textures: BTreeSet::new(), ..base.clone() };
+    let base = &Options { textures: BTreeSet::new(), compress: BTreeSet::new(), ..base.clone() };
     let plan = Plan::new(base)?;
     let started_at = Timestamp::now();
     watch.enter(TRADEOFF_STAGE);

@@ -12,6 +12,8 @@ use exr::prelude::{
     SmallVec, WritableImage, f16,
 };
 
+use glam::Vec4;
+
 use crate::error::{Error, Result};
 use crate::image::{LevelRange, Pixels};
 
@@ -20,7 +22,7 @@ use super::Level;
 /// # Errors
 /// `Internal` where the library refuses the image, which none of ours is to blame for.
 pub fn file(level: &Level<'_>) -> Result<Vec<u8>> {
-    let values: Vec<[f32; 4]> = level.places().map(|(x, y)| level.value(x, y)).collect();
+    let values: Vec<Vec4> = level.places().map(|at| level.value(at)).collect();
     let is_half = matches!(level.image.pixels, Pixels::U8(_)) || level.range == Some(&LevelRange::Float16);
     let channels: &[(&str, usize)] = match level.image.components {
         1 => &[("Y", 0)],

@@ -8,6 +8,7 @@
 //! | range `scaled16` | `UNORM` of 16 bits, before scale and bias |
 //! | range `float16` | `SFLOAT` of 16 bits |
 
+use glam::Vec4;
 use half::f16;
 use ktx2::Format;
 
@@ -19,9 +20,11 @@ use super::Level;
 /// The bytes of one level, rows from the top, without padding.
 pub struct Texels {
     pub format: Format,
+    /// Width and height that the bytes are for.
+    pub size: [u32; 2],
     pub bytes: Vec<u8>,
-    /// What a sampler has to return, where that is not what is stored: glTF's gray is red, green and blue.
-    pub swizzle: Option<&'static str>,
+    /// What a reader has to know beside the format, as keys of KTX2.
+    pub keys: Vec<(&'static str, String)>,
 }
 
 /// The code of an alpha that is 1.
@@ -38,6 +41,7 @@ pub fn texels(level: &Level<'_>) -> Result<Texels> {
         2 => (formats[1], Some("rrrg")),
         _ => (formats[2], None),
     };
+    // glTF's gray is red, green and blue.
     let ((format, swizzle), bytes) = match (&level.image.pixels, level.range, level.transfer) {
         (Pixels::U8(codes), _, Transfer::Srgb) => ((Format::R8G8B8A8_SRGB, None), colors(codes, components)),
         (Pixels::U8(codes), _, Transfer::Linear) => {
@@ -45,7 +49,7 @@ pub fn texels(level: &Level<'_>) -> Result<Texels> {
             (by_count(formats), padded(codes, components, OPAQUE_8))
         }
         (Pixels::U16(_), None, Transfer::Srgb) => {
-            let linear = level.places().flat_map(|(x, y)| level.value(x, y));
+            let linear = level.places().flat_map(|at| level.value(at).to_array());
             let bytes = linear.flat_map(|value| f16::from_f32(value).to_le_bytes()).collect();
             ((Format::R16G16B16A16_SFLOAT, None), bytes)
         }
@@ -58,7 +62,22 @@ pub fn texels(level: &Level<'_>) -> Result<Texels> {
             (by_count(formats), little_endian(&padded(codes, components, OPAQUE_16)))
         }
     };
-    Ok(Texels { format, bytes, swizzle })
+    let mut keys: Vec<_> = swizzle.map(|swizzle| ("KTXswizzle", swizzle.to_owned())).into_iter().collect();
+    if let Some(LevelRange::Scaled16 { scale, bias }) = level.range {
+        let stored: &[usize] = match components {
+            1 => &[0],
+            2 => &[0, 3],
+            _ => &[0, 1, 2, 3],
+        };
+        keys.extend([("MCTscale", numbers(stored, scale)), ("MCTbias", numbers(stored, bias))]);
+    }
+    Ok(Texels { format, size: level.image.size(), bytes, keys })
+}
+
+/// Some components with spaces between them.
+pub fn numbers(components: &[usize], of: &Vec4) -> String {
+    let numbers: Vec<String> = components.iter().map(|&component| of[component].to_string()).collect();
+    numbers.join(" ")
 }
 
 /// Three components with an alpha of 1; others as they are.
@@ -70,7 +89,7 @@ fn padded<T: Copy>(codes: &[T], components: u8, opaque: T) -> Vec<T> {
 }
 
 /// Four components, whatever is stored.
-fn colors(codes: &[u8], components: u8) -> Vec<u8> {
+pub fn colors(codes: &[u8], components: u8) -> Vec<u8> {
     let rgba = |texel: &[u8]| match *texel {
         [gray] => [gray, gray, gray, OPAQUE_8],
         [gray, alpha] => [gray, gray, gray, alpha],

@@ -9,7 +9,7 @@ use ktx2::dfd::{Basic, Block};
 use ktx2::{Header, Index, LevelIndex, SupercompressionScheme};
 
 use crate::error::{Error, Result};
-use crate::image::{LevelRange, Transfer};
+use crate::image::Transfer;
 
 use super::Level;
 use super::gpu::Texels;
@@ -42,8 +42,8 @@ pub fn file(level: &Level<'_>, texels: &Texels) -> Result<Vec<u8>> {
     let header = Header {
         format: Some(texels.format),
         type_size,
-        pixel_width: level.image.width,
-        pixel_height: level.image.height,
+        pixel_width: texels.size[0],
+        pixel_height: texels.size[1],
         pixel_depth: 0,
         layer_count: 0,
         face_count: 1,
@@ -75,29 +75,12 @@ fn descriptor(basic: Basic) -> Vec<u8> {
 
 /// In the order of the keys, as the format wants them.
 fn key_values(level: &Level<'_>, texels: &Texels) -> Vec<u8> {
-    let mut pairs = vec![("KTXorientation", "rd".to_owned())];
-    pairs.extend(texels.swizzle.map(|swizzle| ("KTXswizzle", swizzle.to_owned())));
+    let mut pairs = texels.keys.clone();
+    pairs.push(("KTXorientation", "rd".to_owned()));
     pairs.push(("KTXwriter", WRITER.to_owned()));
-    let number = ("MCTlevel", level.number.to_string());
-    match level.range {
-        None => pairs.push(number),
-        Some(LevelRange::Float16) => {
-            pairs.extend([number, ("MCTrange", LevelRange::Float16.name().to_owned())]);
-        }
-        Some(range @ LevelRange::Scaled16 { scale, bias }) => {
-            let stored: &[usize] = match level.image.components {
-                1 => &[0],
-                2 => &[0, 3],
-                _ => &[0, 1, 2, 3],
-            };
-            let text = |numbers: &glam::Vec4| {
-                let numbers: Vec<String> = stored.iter().map(|&k| numbers[k].to_string()).collect();
-                numbers.join(" ")
-            };
-            pairs.push(("MCTbias", text(bias)));
-            pairs.extend([number, ("MCTrange", range.name().to_owned()), ("MCTscale", text(scale))]);
-        }
-    }
+    pairs.push(("MCTlevel", level.number.to_string()));
+    pairs.extend(level.range.map(|range| ("MCTrange", range.name().to_owned())));
+    pairs.sort_unstable();
     let mut section = Vec::new();
     for (key, value) in pairs {
         let length = key.len() + value.len() + 2;

@@ -5,6 +5,9 @@
 //! not exact halves: blocks shrink, the distance between them does not. JPEG is not among the formats,
 //! because it changes the texels on the two sides of an edge differently.
 
+mod blocks;
+mod compressed;
+mod encoders;
 mod exr;
 mod gpu;
 mod ktx2;
@@ -13,6 +16,7 @@ mod tests;
 
 use std::collections::BTreeSet;
 
+use glam::Vec4;
 use rayon::prelude::*;
 
 use crate::asset::Asset;
@@ -22,6 +26,9 @@ use crate::image::{Image, LevelRange, Transfer};
 use crate::watch::{Watch, check};
 
 use super::{BundleFile, Pngs};
+
+pub use blocks::{BlockFormat, Blocks};
+pub use compressed::Compressed;
 
 /// What a loose level can be stored as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -52,67 +59,90 @@ struct Level<'a> {
     image: &'a Image,
     transfer: Transfer,
     range: Option<&'a LevelRange>,
+    is_normal: bool,
 }
 
-impl Level<'_> {
-    /// The value that is filtered, as red, green, blue, alpha: linear light for color.
-    fn value(&self, x: u32, y: u32) -> [f32; 4] {
-        match self.range {
-            Some(range) => range.texel(self.image, x, y).to_array(),
-            None => self.image.linear(x, y, self.transfer),
+impl<'a> Level<'a> {
+    fn of(texture: &'a FinishedTexture, number: usize) -> Self {
+        Self {
+            number,
+            image: &texture.levels[number],
+            transfer: texture.transfer,
+            range: texture.ranges.get(&number),
+            is_normal: texture.is_normal(),
         }
     }
 
+    /// The value that is filtered, as red, green, blue, alpha: linear light for color.
+    fn value(&self, (x, y): (u32, u32)) -> Vec4 {
+        match self.range {
+            Some(range) => range.texel(self.image, x, y),
+            None => Vec4::from(self.image.linear(x, y, self.transfer)),
+        }
+    }
+
+    /// All texels, row by row.
     fn places(&self) -> impl Iterator<Item = (u32, u32)> {
         let width = self.image.width;
         (0..self.image.height).flat_map(move |y| (0..width).map(move |x| (x, y)))
     }
 }
 
+/// What files are made of.
+pub struct Source<'a> {
+    pub asset: &'a Asset,
+    pub finished: &'a Finished,
+    /// The encoded levels of `finished`.
+    pub pngs: &'a Pngs,
+    /// What KTX2 files hold instead of texels, level by level.
+    pub compressed: Option<&'a Compressed>,
+}
+
 /// Every level of every channel in every format asked for, in order of texture, level and format: the same
-/// bytes for any number of threads. `pngs` are the encoded levels of `finished`.
+/// bytes for any number of threads.
 ///
 /// # Errors
 /// `Canceled`; `Internal` where an image breaks its own guarantees or two channels of a material have
 /// the same slots.
 pub fn files(
-    asset: &Asset,
-    finished: &Finished,
-    pngs: &Pngs,
+    source: &Source<'_>,
     formats: &BTreeSet<TextureFormat>,
     watch: &dyn Watch,
 ) -> Result<Vec<BundleFile>> {
     if formats.is_empty() {
         return Ok(Vec::new());
     }
-    let folders = folders(asset, finished)?;
+    let folders = folders(source.asset, source.finished)?;
     watch.step(Some("textures"));
-    let all: Result<Vec<Vec<BundleFile>>> = finished
-        .textures
-        .par_iter()
-        .zip(&folders)
-        .zip(pngs)
-        .flat_map(|((texture, folder), pngs)| {
-            let levels = texture.levels.par_iter().zip(pngs).enumerate();
-            levels.map(move |(number, (image, png))| {
+    let textures = source.finished.textures.par_iter().enumerate();
+    let all: Result<Vec<Vec<BundleFile>>> = textures
+        .flat_map(|(number, texture)| {
+            let levels = (0..texture.levels.len()).into_par_iter();
+            let folder = &folders[number];
+            levels.map(move |level| {
                 check(watch)?;
-                let range = texture.ranges.get(&number);
-                let level = Level { number, image, transfer: texture.transfer, range };
-                let file = |format: &TextureFormat| {
-                    let bytes = match format {
-                        TextureFormat::Png => png.clone(),
-                        TextureFormat::Ktx2 => ktx2::file(&level, &gpu::texels(&level)?)?,
-                        TextureFormat::Exr => exr::file(&level)?,
-                    };
-                    let path = format!("{folder}/level_{number:02}.{}", format.extension());
-                    Ok(BundleFile { path, bytes })
-                };
+                let file = |format: &TextureFormat| source.file(folder, [number, level], *format);
                 formats.iter().map(file).collect()
             })
         })
         .collect();
     watch.step(None);
     Ok(all?.into_iter().flatten().collect())
+}
+
+impl Source<'_> {
+    fn file(&self, folder: &str, [texture, number]: [usize; 2], format: TextureFormat) -> Result<BundleFile> {
+        let level = Level::of(&self.finished.textures[texture], number);
+        let bytes = match format {
+            TextureFormat::Png => self.pngs[texture][number].clone(),
+            TextureFormat::Exr => exr::file(&level)?,
+            TextureFormat::Ktx2 => match self.compressed.and_then(|all| all.level(texture, number)) {
+                Some(blocks) => ktx2::file(&level, &blocks.texels)?,
+                None => ktx2::file(&level, &gpu::texels(&level)?)?,
+            },
+        };
+        Ok(BundleFile { path: format!("{folder}/level_{number:02}.{}", format.extension()), bytes })
+    }
 }
 
 /// `textures/SET/CHANNEL` of each texture.

@@ -1,3 +1,5 @@
+mod blocks;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Cursor;
 
@@ -5,7 +7,7 @@ use ::ktx2::{ColorModel, Format, Reader, SupercompressionScheme, TransferFunctio
 use glam::Vec4;
 use half::f16;
 
-use super::{TextureFormat, files};
+use super::{Source, TextureFormat, files};
 use crate::asset::{Asset, Material, Slot};
 use crate::finished::{Finished, FinishedTexture};
 use crate::image::{Image, LevelRange, Pixels, Transfer};
@@ -46,7 +48,7 @@ fn channels(list: &[(&[Slot], u8, u8)]) -> (Asset, Finished) {
 fn written(asset: &Asset, finished: &Finished, formats: &[TextureFormat]) -> Vec<BundleFile> {
     let pngs = encode(finished, &Unwatched).unwrap();
     let formats: BTreeSet<_> = formats.iter().copied().collect();
-    files(asset, finished, &pngs, &formats, &Unwatched).unwrap()
+    files(&Source { asset, finished, pngs: &pngs, compressed: None }, &formats, &Unwatched).unwrap()
 }
 
 #[test]
@@ -77,7 +79,8 @@ fn names_are_unique_and_safe_for_every_file_system() {
 
     finished.textures[2].material = 0;
     let pngs = encode(&finished, &Unwatched).unwrap();
-    let twice = super::files(&asset, &finished, &pngs, &BTreeSet::from(ALL), &Unwatched).unwrap_err();
+    let source = Source { asset: &asset, finished: &finished, pngs: &pngs, compressed: None };
+    let twice = super::files(&source, &BTreeSet::from(ALL), &Unwatched).unwrap_err();
     assert!(twice.detail.contains("two channels"), "{twice}");
 }
 
