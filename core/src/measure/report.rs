@@ -248,13 +248,17 @@ pub struct CompressedLevel {
     pub format: String,
     /// All blocks, before Zstandard.
     pub bytes: u64,
-    /// What a GPU reads, against the level before: decibels over 255 codes, over all texels and components, those
-    /// that no face uses too; 99 stands for "no difference".
+    /// What a GPU reads, against the level before: decibels over 255 codes, over all texels, those that no face uses
+    /// too, and all components (of normals in BC5: x and y); 99 stands for "no difference".
     pub psnr_db: f64,
     /// Over uncut edges, before.
     pub seams_before: Option<Figures>,
-    /// The same of the blocks.
+    /// The same of blocks made without regard to edges.
+    pub seams_unfitted: Option<Figures>,
+    /// The same of the blocks that are stored: fitted again with more weight on edges, where that makes the
+    /// mean less.
     pub seams: Option<Figures>,
+    pub is_refitted: bool,
 }
 
 /// One material's layout.

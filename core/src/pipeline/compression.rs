@@ -1,5 +1,8 @@
 //! Levels in blocks, and what that does to edges: the blocks are decoded as a GPU does it, and `measure`
-//! judges what comes out as it judges any conversion.
+//! judges what comes out as it judges any conversion. Then they are fitted again, and whatever makes the
+//! mean jump of a level less is kept.
+
+mod shared;
 
 use rayon::prelude::*;
 
@@ -8,11 +11,12 @@ use crate::error::Result;
 use crate::finished::{Finished, FinishedTexture};
 use crate::image::Transfer;
 use crate::math::transfer::linear_to_srgb;
-use crate::measure::{self, ChannelReport, CompressedLevel, CompressionReport};
-use crate::watch::{Stage, Watch};
-use crate::write::textures::{Blocks, Compressed};
+use crate::measure::{self, ChannelReport, CompressedLevel, CompressionReport, Figures};
+use crate::watch::{Stage, Watch, check};
+use crate::write::textures::{BlockFormat, Blocks, Compressed, refit};
 
 use super::options::Options;
+use shared::Edges;
 
 /// What `--compress` leaves.
 pub struct Compression {
@@ -37,26 +41,51 @@ pub fn compress(
     }
     watch.stage(Stage::Write);
     watch.step(Some("compress"));
-    let compressed = Compressed::of(finished, &options.compress, watch)?;
-    let decoded = compressed.decoded(finished)?;
+    let mut compressed = Compressed::of(finished, &options.compress, watch)?;
     watch.step(None);
-    watch.stage(Stage::Measure);
-    let after = measure::converted_file(asset, &decoded, watch)?.channels;
+    let plain = judged(asset, finished, &compressed, watch)?;
+    watch.stage(Stage::Write);
+    watch.step(Some("refit"));
+    let mut refits = refits(asset, finished, &compressed, watch)?;
+    watch.step(None);
+    refits.iter_mut().for_each(|(at, blocks)| compressed.swap(*at, blocks));
+    let fitted = judged(asset, finished, &compressed, watch)?;
+    let mean = |channels: &[ChannelReport], at: [usize; 2]| seams(channels, at).map(|figures| figures.mean);
+    refits.retain_mut(|(at, blocks)| {
+        let is_better = mean(&fitted, *at) < mean(&plain, *at);
+        if !is_better {
+            compressed.swap(*at, blocks);
+        }
+        is_better
+    });
+    let decoded = compressed.decoded(finished)?;
     let mut reports = Vec::new();
-    for (number, (before, after)) in before.iter().zip(&after).enumerate() {
-        let textures = [&finished.textures[number], &decoded.textures[number]];
-        let level = |at: usize| {
-            let blocks = compressed.level(number, at)?;
-            let seams = [before, after].map(|channel| channel.levels.get(at).and_then(|level| level.seams));
-            Some(described(blocks, at, textures, seams))
+    for (texture, channel) in before.iter().enumerate() {
+        let level = |level: usize| {
+            let (at, blocks) = ([texture, level], compressed.level(texture, level)?);
+            let is_refitted = refits.iter().any(|(refitted, _)| *refitted == at);
+            Some(CompressedLevel {
+                level: level as u32,
+                format: blocks.format.name().to_owned(),
+                bytes: blocks.bytes(),
+                psnr_db: psnr_db(
+                    [&finished.textures[texture], &decoded.textures[texture]],
+                    level,
+                    blocks.format,
+                ),
+                seams_before: seams(before, at),
+                seams_unfitted: seams(&plain, at),
+                seams: seams(if is_refitted { &fitted } else { &plain }, at),
+                is_refitted,
+            })
         };
-        let levels: Vec<_> = (0..before.levels.len()).filter_map(level).collect();
+        let levels: Vec<_> = (0..channel.levels.len()).filter_map(level).collect();
         if !levels.is_empty() {
             reports.push(CompressionReport {
-                material: before.material,
-                material_name: before.material_name.clone(),
-                slots: before.slots.clone(),
-                unit: before.unit,
+                material: channel.material,
+                material_name: channel.material_name.clone(),
+                slots: channel.slots.clone(),
+                unit: channel.unit,
                 levels,
             });
         }
@@ -64,31 +93,53 @@ pub fn compress(
     Ok(Some(Compression { compressed, reports }))
 }
 
-fn described(
-    blocks: &Blocks,
-    level: usize,
-    [before, after]: [&FinishedTexture; 2],
-    [seams_before, seams]: [Option<measure::Figures>; 2],
-) -> CompressedLevel {
-    CompressedLevel {
-        level: level as u32,
-        format: blocks.format.name().to_owned(),
-        bytes: blocks.bytes(),
-        psnr_db: psnr_db(before, after, level),
-        seams_before,
-        seams,
+fn seams(channels: &[ChannelReport], [texture, level]: [usize; 2]) -> Option<Figures> {
+    channels.get(texture)?.levels.get(level)?.seams
+}
+
+/// The channels of what a GPU reads.
+fn judged(
+    asset: &Asset,
+    finished: &Finished,
+    compressed: &Compressed,
+    watch: &dyn Watch,
+) -> Result<Vec<ChannelReport>> {
+    watch.stage(Stage::Measure);
+    let decoded = compressed.decoded(finished)?;
+    Ok(measure::converted_file(asset, &decoded, watch)?.channels)
+}
+
+/// Blocks that differ less across edges, by texture and level.
+fn refits(
+    asset: &Asset,
+    finished: &Finished,
+    compressed: &Compressed,
+    watch: &dyn Watch,
+) -> Result<Vec<([usize; 2], Blocks)>> {
+    let mut refits = Vec::new();
+    for (texture, source) in finished.textures.iter().enumerate() {
+        let edges = Edges::of(asset, finished, texture);
+        for (level, image) in source.levels.iter().enumerate() {
+            check(watch)?;
+            let Some(blocks) = compressed.level(texture, level) else { continue };
+            let groups = edges.groups(level, image.size());
+            let refitted = refit(finished, [texture, level], blocks, &groups)?;
+            refits.extend(refitted.map(|blocks| ([texture, level], blocks)));
+        }
     }
+    Ok(refits)
 }
 
 /// Decibels that stand for "no difference".
 const PSNR_MOST_DB: f64 = 99.0;
 
 /// Of one level's texels in two versions of a texture: 10 log10(255² / mean square), codes.
-fn psnr_db(before: &FinishedTexture, after: &FinishedTexture, level: usize) -> f64 {
+fn psnr_db([before, after]: [&FinishedTexture; 2], level: usize, format: BlockFormat) -> f64 {
     let image = &before.levels[level];
     let stored: &[usize] = match image.components {
         1 => &[0],
         2 => &[0, 3],
+        3 if format == BlockFormat::Bc5 => &[0, 1],
         3 => &[0, 1, 2],
         _ => &[0, 1, 2, 3],
     };

@@ -50,16 +50,15 @@ pub fn compression(report: &Report) -> String {
     for channel in &report.compression {
         let name = plain(&format!("{} / {}", channel.material_name, channel.slots.join("+")));
         let _ = writeln!(out, "  {name} in blocks ({})", unit_name(channel.unit));
-        let heads = ["level", "format", "PSNR, dB", "max", "in blocks", "mean", "in blocks"];
-        let _ = writeln!(out, "    {}", heads.map(|head| format!("{head:>9}")).join(" "));
+        let heads = ["level", "format", "PSNR, dB", "max", "blocks", "fitted", "mean", "blocks", "fitted"];
+        let _ = writeln!(out, "    {}", heads.map(|head| format!("{head:>8}")).join(" "));
         for level in &channel.levels {
-            let [before, after] = [&level.seams_before, &level.seams].map(|seams| figures(seams.as_ref()));
-            let [max, _, mean] = before;
-            let [max_after, _, mean_after] = after;
-            let psnr = format!("{:.2}", level.psnr_db);
-            let cells =
-                [level.level.to_string(), plain(&level.format), psnr, max, max_after, mean, mean_after];
-            let _ = writeln!(out, "    {}", cells.map(|cell| format!("{cell:>9}")).join(" "));
+            let fitted = level.seams.as_ref().filter(|_| level.is_refitted);
+            let versions = [level.seams_before.as_ref(), level.seams_unfitted.as_ref(), fitted].map(figures);
+            let [max, mean] = [0, 2].map(|k| versions.each_ref().map(|version| version[k].clone()));
+            let first = [level.level.to_string(), plain(&level.format), format!("{:.2}", level.psnr_db)];
+            let cells = first.into_iter().chain(max).chain(mean).map(|cell| format!("{cell:>8}"));
+            let _ = writeln!(out, "    {}", cells.collect::<Vec<_>>().join(" "));
         }
     }
     out
@@ -201,7 +200,9 @@ pub(super) fn sample_report() -> Report {
                 bytes: 2048,
                 psnr_db: 46.5,
                 seams_before: seams(0.5),
-                seams: seams(7.75),
+                seams_unfitted: seams(7.75),
+                seams: seams(6.5),
+                is_refitted: true,
             }],
         }],
     }
@@ -223,7 +224,7 @@ mod tests {
         let text = compression(&report);
         assert_eq!(
             row(text.lines().last().unwrap()),
-            ["0", "bc7", "46.50", "0.500", "7.750", "0.250", "3.875"]
+            ["0", "bc7", "46.50", "0.500", "7.750", "6.500", "0.250", "3.875", "3.250"]
         );
         assert!(!text.replace('\n', "").contains(char::is_control) && table("x", &report).ends_with(&text));
     }

@@ -76,6 +76,7 @@ impl BlockFormat {
 }
 
 /// A level in blocks.
+#[derive(Clone)]
 pub struct Blocks {
     pub format: BlockFormat,
     /// The blocks, row by row from the top, with the size that they cover.

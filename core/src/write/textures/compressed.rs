@@ -34,6 +34,13 @@ impl Compressed {
         self.0.get(texture)?.get(level)?.as_ref()
     }
 
+    /// Puts other blocks where a level has some; `blocks` gets those.
+    pub fn swap(&mut self, [texture, level]: [usize; 2], blocks: &mut Blocks) {
+        if let Some(own) = self.0[texture][level].as_mut() {
+            std::mem::swap(own, blocks);
+        }
+    }
+
     /// The conversion as a GPU samples it.
     ///
     /// # Errors

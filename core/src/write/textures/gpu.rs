@@ -18,6 +18,7 @@ use crate::image::{LevelRange, Pixels, Transfer};
 use super::Level;
 
 /// The bytes of one level, rows from the top, without padding.
+#[derive(Clone)]
 pub struct Texels {
     pub format: Format,
     /// Width and height that the bytes are for.

@@ -11,6 +11,7 @@ mod encoders;
 mod exr;
 mod gpu;
 mod ktx2;
+mod refit;
 #[cfg(test)]
 mod tests;
 
@@ -29,6 +30,7 @@ use super::{BundleFile, Pngs};
 
 pub use blocks::{BlockFormat, Blocks};
 pub use compressed::Compressed;
+pub use refit::refit;
 
 /// What a loose level can be stored as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
