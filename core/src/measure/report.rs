@@ -255,8 +255,8 @@ pub struct CompressedLevel {
     pub seams_before: Option<Figures>,
     /// The same of blocks made without regard to edges.
     pub seams_unfitted: Option<Figures>,
-    /// The same of the blocks that are stored: fitted again with more weight on edges, where that makes the
-    /// mean less.
+    /// The same of the blocks that are stored: fitted again to what the other sides of edges got, where that
+    /// makes the mean less.
     pub seams: Option<Figures>,
     pub is_refitted: bool,
 }

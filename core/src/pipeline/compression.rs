@@ -3,6 +3,8 @@
 //! mean jump of a level less is kept.
 
 mod shared;
+#[cfg(test)]
+mod tests;
 
 use rayon::prelude::*;
 

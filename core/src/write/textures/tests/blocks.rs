@@ -12,7 +12,7 @@ use crate::finished::{Finished, FinishedTexture};
 use crate::image::{Image, LevelRange, Pixels, Transfer};
 use crate::watch::Unwatched;
 use crate::write::encode;
-use crate::write::textures::{BlockFormat, Compressed, Source, TextureFormat, files};
+use crate::write::textures::{BlockFormat, Compressed, Source, TextureFormat, files, refit};
 
 const ALL: [BlockFormat; 4] = [BlockFormat::Bc5, BlockFormat::Bc6h, BlockFormat::Bc7, BlockFormat::Astc];
 
@@ -228,4 +228,36 @@ fn blocks_do_not_depend_on_threads() {
         };
         assert!(on(1) == on(4), "{formats:?}");
     }
+}
+
+#[test]
+fn blocks_that_share_texels_draw_together() {
+    let (_, mut finished) = channels(&[(&[Slot::BaseColor], 3, 8), (&[Slot::Normal], 3, 8)]);
+    // The lower half repeats the last row of the upper one, then noise of its own.
+    let mut level = image((64, 32), 3, 8, 11);
+    let Pixels::U8(codes) = &mut level.pixels else { panic!("8 bits") };
+    codes.copy_within(15 * 192..16 * 192, 16 * 192);
+    let groups: Vec<Vec<u32>> = (0..64).map(|x| vec![15 * 64 + x, 16 * 64 + x]).collect();
+    for texture in &mut finished.textures {
+        texture.levels = vec![level.clone()];
+    }
+    let mut all = compressed(&finished, &[BlockFormat::Bc7]);
+    let jump = |all: &Compressed| {
+        let decoded = all.decoded(&finished).unwrap();
+        let image = &decoded.textures[0].levels[0];
+        let of_pair = |group: &Vec<u32>| {
+            let [a, b] = [group[0], group[1]].map(|texel| image.normalized(texel % 64, texel / 64));
+            (0..3).map(|k| (a[k] - b[k]).abs()).sum::<f32>()
+        };
+        groups.iter().map(of_pair).sum::<f32>()
+    };
+    let before = jump(&all);
+    let mut fitted = refit(&finished, [0, 0], all.level(0, 0).unwrap(), &groups).unwrap().unwrap();
+    all.swap([0, 0], &mut fitted);
+    let after = jump(&all);
+    assert!(after < 0.9 * before, "{before} has become {after}");
+    all.swap([0, 0], &mut fitted);
+    assert_eq!(jump(&all), before);
+    assert!(refit(&finished, [1, 0], all.level(1, 0).unwrap(), &groups).unwrap().is_none());
+    assert!(refit(&finished, [0, 0], all.level(0, 0).unwrap(), &[]).unwrap().is_none());
 }
