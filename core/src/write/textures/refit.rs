@@ -24,6 +24,8 @@ const GAINS: [f32; 4] = [1.0, 1.0, 2.0, 2.0];
 const WEIGHT_INSIDE: f32 = 0.1;
 /// The share of the true code in an aim, so that both sides do not drift.
 const TRUE_SHARE: f32 = 0.2;
+/// How far an aim may be from the true code: what is off by more is not worth following.
+const REACH_CODES: f32 = 4.0;
 
 /// Blocks that differ less across edges, or `None` where none were found, or the level has no codes or holds
 /// normals. Each of `groups` holds the numbers, `y · width + x`, of two texels or more that hold one sample.
@@ -112,8 +114,8 @@ impl<'a> Aims<'a> {
                 let truth = codes(self.image, *texel);
                 self.codes[*texel as usize] = [0, 1, 2, 3].map(|k| {
                     let others = got.iter().map(|codes| codes[k]).sum::<f32>() - own[k];
-                    let others = others / (group.len() - 1) as f32;
-                    others + TRUE_SHARE * (truth[k] - others)
+                    let off = (1.0 - TRUE_SHARE) * (others / (group.len() - 1) as f32 - truth[k]);
+                    truth[k] + off.clamp(-REACH_CODES, REACH_CODES)
                 });
             }
         }
