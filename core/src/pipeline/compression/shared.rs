@@ -21,6 +21,9 @@ struct Side<'a> {
     is_reversed: bool,
 }
 
+/// The two positions of an edge, the lesser first, by their bits.
+type Ends = [[u32; 3]; 2];
+
 /// The edges of one texture that have several sides and are no cuts.
 pub struct Edges<'a>(Vec<Vec<Side<'a>>>);
 
@@ -28,7 +31,7 @@ impl<'a> Edges<'a> {
     pub fn of(asset: &Asset, finished: &'a Finished, texture: usize) -> Self {
         let material = finished.textures[texture].material;
         // By mesh and both positions; an edge is a cut when one of its sides says so.
-        let mut edges: BTreeMap<(usize, [[u32; 3]; 2]), (bool, Vec<Side<'a>>)> = BTreeMap::new();
+        let mut edges: BTreeMap<(usize, Ends), (bool, Vec<Side<'a>>)> = BTreeMap::new();
         for piece in finished.primitives.iter().filter(|piece| piece.material == material) {
             let positions = &asset.meshes[piece.mesh].primitives[piece.primitive].positions;
             let cuts = piece.cuts.iter().find(|cuts| cuts.texture == texture);
