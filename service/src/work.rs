@@ -79,10 +79,7 @@ pub fn convert(
     } else {
         None
     };
-    files.push(BundleFile {
-        path: "shaders/mesh_color_texture.wgsl".to_owned(),
-        bytes: sheet::wgsl().as_bytes().to_vec(),
-    });
+    files.extend(sheet::shaders(&conversion.finished));
     if options.tradeoff {
         drop(conversion.finished);
         let read = watch.finish().into_iter().find(|figures| figures.stage == Stage::Read.name());

@@ -7,5 +7,8 @@ pub mod twins;
 /// The sampling functions, complete in one file that declares no bindings.
 pub const WGSL: &str = include_str!("../wgsl/mesh_color_texture.wgsl");
 
+/// What indexed coordinates need besides: it goes behind [`WGSL`].
+pub const WGSL_INDEXED: &str = include_str!("../wgsl/mesh_color_texture_indexed.wgsl");
+
 /// The font of every picture: Ubuntu Light, under the Ubuntu font licence; its package carries the text.
 pub const FONT: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;

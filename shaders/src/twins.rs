@@ -6,6 +6,9 @@ use glam::{Vec2, Vec4, Vec4Swizzles};
 use meshcolor::image::{Image, Transfer, Wrap, WrapMode, bilinear};
 
 #[cfg(test)]
+mod adapter;
+pub mod indexed;
+#[cfg(test)]
 mod tests;
 
 /// What a mesh color texture's sampler does outside the image.

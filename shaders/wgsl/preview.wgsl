@@ -1,8 +1,8 @@
-// The preview's own shader, compiled behind mesh_color_texture.wgsl. What an asset lacks is switched off
+// The preview's own shader, compiled behind mesh_color_texture.wgsl and mesh_color_texture_indexed.wgsl. What an asset lacks is switched off
 // by overrides, so that it is neither sampled nor computed. Its CPU twins: preview/cpu/fragment.rs for the
 // fragment stage, preview/shade.rs for the light. Everything is in view space, colors are linear.
 
-// How each slot finds its texture: 0 it has none, 1 by 4D coordinate, 2 + n by texture coordinate set n.
+// How each slot finds its texture: 0 it has none, 1 by mesh coordinate, 2 + n by texture coordinate set n.
 override BASE_COLOR: u32 = 0u;
 override METALLIC_ROUGHNESS: u32 = 0u;
 override NORMAL: u32 = 0u;
@@ -18,6 +18,8 @@ override TANGENT_AT: u32 = 0u;
 override UV_AT: u32 = 6u;
 override UV_SETS: u32 = 0u;
 override MESH_AT: u32 = 0u;
+// Mesh coordinates: 0 scaled and offset, 1 local, number of the block and class.
+override INDEXED: u32 = 0u;
 
 struct Shot {
     projection: mat4x4f,
@@ -49,6 +51,9 @@ struct Surface {
 @group(1) @binding(10) var normal_sampler: sampler;
 @group(1) @binding(11) var occlusion_sampler: sampler;
 @group(1) @binding(12) var emissive_sampler: sampler;
+// Of indexed coordinates: the classes, and for each level the grid of each class.
+@group(1) @binding(13) var<storage, read> block_classes: array<MctBlockClass>;
+@group(1) @binding(14) var<storage, read> block_grids: array<MctBlockGrid>;
 
 // Places are interpolated twice: at the centroid, for values, and at the middle of the pixel, for
 // derivatives.
@@ -65,6 +70,8 @@ struct Varyings {
     @location(8) uv_01_middle: vec4f,
     @location(9) uv_23_middle: vec4f,
     @location(10) uv_4_middle: vec2f,
+    // Number and class.
+    @location(11) @interpolate(flat) block: vec2u,
 }
 
 fn record_vec2(at: u32) -> vec2f {
@@ -95,6 +102,9 @@ fn vertex(@builtin(vertex_index) number: u32) -> Varyings {
     if MESH_AT != 0u {
         out.mesh = record_vec4(corner + MESH_AT);
     }
+    if INDEXED != 0u {
+        out.block = vec2u(out.mesh.zw);
+    }
     out.uv_01 = vec4f(record_uv(corner, 0u), record_uv(corner, 1u));
     out.uv_23 = vec4f(record_uv(corner, 2u), record_uv(corner, 3u));
     out.uv_4 = record_uv(corner, 4u);
@@ -108,6 +118,7 @@ fn vertex(@builtin(vertex_index) number: u32) -> Varyings {
 // Where a fragment is in its textures: value, and change to the next pixel right and down.
 struct Place {
     mesh: vec4f,
+    block: vec2u,
     scaled_dx: vec2f,
     scaled_dy: vec2f,
     uv: array<vec2f, 5>,
@@ -128,9 +139,24 @@ fn source_lambda(uv_dx: vec2f, uv_dy: vec2f, size: vec2f) -> f32 {
     return mct_lambda(uv_dx * size, uv_dy * size);
 }
 
+fn sample_indexed(slot: u32, image: texture_2d<f32>, image_sampler: sampler, place: Place) -> vec4f {
+    let at = MctBlockPlace(place.mesh.xy, place.block.x, block_classes[place.block.y]);
+    let lambda = level_of_detail(mct_indexed_lambda(place.scaled_dx, place.scaled_dy, at.shape));
+    let pick = mct_pick(lambda, surface.slots[slot].y);
+    let first = surface.slots[slot].x;
+    let pair = array(levels[first + pick.finer], levels[first + pick.coarser]);
+    let class_count = arrayLength(&block_classes);
+    let finer = block_grids[pick.finer * class_count + place.block.y];
+    let coarser = block_grids[pick.coarser * class_count + place.block.y];
+    return mct_sample_indexed_stack(image, image_sampler, at, pick, array(finer, coarser), pair);
+}
+
 fn sample_slot(how: u32, slot: u32, image: texture_2d<f32>, image_sampler: sampler, place: Place) -> vec4f {
     if how == 0u {
         return vec4f(1.0);
+    }
+    if how == 1u && INDEXED != 0u {
+        return sample_indexed(slot, image, image_sampler, place);
     }
     if how == 1u {
         let first = surface.slots[slot].x;
@@ -280,6 +306,7 @@ fn lit_color(in: Varyings, place: Place, base: vec3f, is_front: bool) -> vec3f {
 fn fragment(in: Varyings, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
     let place = Place(
         in.mesh,
+        in.block,
         dpdx(in.scaled_middle),
         dpdy(in.scaled_middle),
         uv_sets(in.uv_01, in.uv_23, in.uv_4),

@@ -64,9 +64,9 @@ def pictures(cases):
                            {"/standard/change_max": 0.0}, {"resolution": "fixed:3"})
     gray = lambda x, y: (255 * ((x + y) % 2),)
     cases["source_16384x1"] = ("A picture of one row", model(*soup([UNIT]), png(16384, 1, gray, kind=0)),
-                               {"/standard/exponents": [0] * 7 + [2]}, WELDED)
+                               {"/standard/exponents": [0] * 11 + [2]}, WELDED)
     cases["source_1x16384"] = ("A picture of one column", model(*soup([UNIT]), png(1, 16384, gray, kind=0)),
-                               {"/standard/exponents": [0] * 7 + [2]}, WELDED)
+                               {"/standard/exponents": [0] * 11 + [2]}, WELDED)
     cases["source_16385x1"] = ("A picture beyond the largest", model(*soup([UNIT]), png(16385, 1, gray, kind=0)),
                                error("image_too_large", "16385x1", "/images/0"))
 

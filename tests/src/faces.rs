@@ -41,9 +41,10 @@ impl<'a> Faces<'a> {
 
     /// Segments a side of a face at level 0: its block is a square.
     pub fn segments(&self, face: usize) -> usize {
-        let triangle = &self.conversion.finished.primitives[0].triangles[self.faces[face].0];
-        let side = (triangle.scaled[1] - triangle.scaled[0]).abs().max_element();
-        let other = (triangle.scaled[2] - triangle.scaled[0]).abs().max_element();
+        let piece = &self.conversion.finished.primitives[0];
+        let [first, second, third] = piece.coordinates.texels(&piece.triangles[self.faces[face].0]);
+        let side = (second - first).abs().max_element();
+        let other = (third - first).abs().max_element();
         side.max(other) as usize
     }
 
@@ -51,7 +52,7 @@ impl<'a> Faces<'a> {
         let (first, _) = self.faces[face];
         // A quad is drawn as the triangles of its fan.
         let (triangle, corner) = if corner == 3 { (first + 1, 2) } else { (first, corner) };
-        self.conversion.finished.primitives[0].triangles[triangle].place(corner, level)
+        self.conversion.finished.primitives[0].place(triangle, corner, level)
     }
 
     /// The color in codes at a level, at weights of the corners; corner `k` of these is corner `k - turn` here.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use glam::{Vec2, Vec3};
 use meshcolor::asset::Asset;
-use meshcolor::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle};
+use meshcolor::finished::{Finished, FinishedPrimitive, FinishedTexture};
 use meshcolor::image::{Image, LevelRange, Pixels, Transfer};
 
 /// Points along an edge that are compared; no grid line falls on them.
@@ -13,8 +13,8 @@ const EDGE_POINTS: usize = 29;
 
 /// The texels that some point of the triangle reads with a weight above zero: those whose open square of
 /// two texels a side the triangle meets. Columns and rows may lie outside of the image.
-pub fn texels_read(triangle: &FinishedTriangle, level: usize) -> Vec<[i64; 2]> {
-    let corners = [0, 1, 2].map(|corner| triangle.place(corner, level).as_dvec2());
+pub fn texels_read(piece: &FinishedPrimitive, triangle: usize, level: usize) -> Vec<[i64; 2]> {
+    let corners = [0, 1, 2].map(|corner| piece.place(triangle, corner, level).as_dvec2());
     let low = corners.iter().fold(corners[0], |low, corner| low.min(*corner)) - 1.5;
     let high = corners.iter().fold(corners[0], |high, corner| high.max(*corner)) + 0.5;
     let mut read = Vec::new();
@@ -166,7 +166,7 @@ fn jump_codes(
         let mut weights = Vec3::ZERO;
         weights[k] = 1.0 - t;
         weights[(k + 1) % 3] = t;
-        let place = piece.triangles[triangle].place_at(weights, level);
+        let place = piece.place_at(triangle, weights, level);
         shown_codes_of(texture, level, place)
     };
     let mut worst: f32 = 0.0;

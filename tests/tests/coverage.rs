@@ -15,10 +15,11 @@ fn coverage(finished: &Finished, cutoff: f32) -> Vec<f32> {
     const POINTS: usize = 40;
     let share = |level: &Image, number: usize| {
         let (mut passed, mut all) = (0, 0);
-        for triangle in &finished.primitives[0].triangles {
+        let piece = &finished.primitives[0];
+        for triangle in 0..piece.triangles.len() {
             for (i, j) in (0..POINTS).flat_map(|j| (0..POINTS - j).map(move |i| (i, j))) {
                 let [s, t] = [i, j].map(|k| (k as f32 + 0.33) / POINTS as f32);
-                let place = triangle.place_at(Vec3::new(1.0 - s - t, s, t), number);
+                let place = piece.place_at(triangle, Vec3::new(1.0 - s - t, s, t), number);
                 all += 1;
                 passed += usize::from(shown_alpha(level, place) >= cutoff);
             }
@@ -53,7 +54,9 @@ fn a_mask_keeps_most_of_what_averaging_loses() {
     assert_eq!(masked[0], averaged[0]);
     for level in 1..=4 {
         let (kept, left) = (masked[level] / masked[0], averaged[level] / masked[0]);
-        assert!(kept > left + 0.2 && kept > 0.45, "level {level}: {masked:?}, {averaged:?}");
+        let regained = (kept - left) / (1.0 - left);
+        // Alpha of level 1 comes in few steps here, so that no factor meets the share exactly.
+        assert!(regained > 0.4 && kept > 0.45, "level {level}: {masked:?}, {averaged:?}");
     }
 }
 

@@ -3,6 +3,8 @@
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use glam::Vec2;
+use meshcolor::finished::Anchor;
 use meshcolor::image::{LevelRange, Pixels, Transfer};
 use meshcolor::measure::SolverReport;
 use meshcolor::pipeline::Conversion;
@@ -187,8 +189,12 @@ fn the_promises_see_what_they_look_for() {
         halves[7] = 0x7c00;
         image.pixels = Pixels::U16(halves);
     });
-    sees("has a corner", &|it| it.finished.primitives[0].triangles[3].offset.x = f32::NAN);
-    sees("has a corner", &|it| it.finished.primitives[0].triangles[3].offset.y += 99.0);
+    let moved = |it: &mut Conversion, by: Vec2| {
+        let Anchor::Offset(offset) = &mut it.finished.primitives[0].triangles[3].anchor else { panic!("4D") };
+        *offset += by;
+    };
+    sees("has a corner", &|it| moved(it, Vec2::new(f32::NAN, 0.0)));
+    sees("has a corner", &|it| moved(it, Vec2::new(0.0, 99.0)));
     sees("a seam of", &|it| it.report.max_seam_delta_codes = 1.6);
     sees("out of range by", &|it| {
         it.report.channels[0].solver.push(SolverReport { residual: 2e-6, ..SolverReport::default() });
@@ -200,7 +206,7 @@ fn the_promises_see_what_they_look_for() {
         (texels.start..end).for_each(|texel| codes[3 * texel] += 2);
     };
     let corner = |it: &Conversion| {
-        let place = it.finished.primitives[0].triangles[9].place(0, 0);
+        let place = it.finished.primitives[0].place(9, 0, 0);
         place.y as usize * it.finished.textures[0].levels[0].width as usize + place.x as usize
     };
     sees("jumps by", &|it| (0..3).for_each(|_| tint(it, 0, corner(it)..corner(it) + 1)));

@@ -6,9 +6,11 @@ use std::collections::BTreeMap;
 
 use glam::{Vec2, Vec3};
 use meshcolor::asset::{Asset, Slot};
-use meshcolor::finished::{Finished, FinishedTriangle};
+use meshcolor::finished::{Anchor, Finished, FinishedTriangle};
 use meshcolor::image::{Image, Pixels};
-use meshcolor::pipeline::{Beyond, Conversion, Options, Resolution, Sampling, check, convert, convert_asset};
+use meshcolor::pipeline::{
+    Beyond, Conversion, Coordinates, Options, Resolution, Sampling, check, convert, convert_asset,
+};
 use meshcolor::read::{Limits, Upload, read};
 use meshcolor::watch::Unwatched;
 use meshcolor_tests::patches::{Corner, Patch, Random, noise, picture, smooth};
@@ -91,10 +93,12 @@ proptest! {
         mip in prop_oneof![Just("uniform"), Just("area")],
         beyond in prop_oneof![Just("one-ring"), Just("heat")],
         cut in prop_oneof![Just("0"), Just("8"), Just("255")],
+        coordinates in prop_oneof![Just("4d"), Just("indexed")],
+        texels in prop_oneof![Just("none"), Just("4000")],
     ) {
         let (patch, picture) = wild(seed);
         let mut options = Options::default();
-        let rungs = [("sampling", sampling), ("resolution", resolution), ("solver", solver), ("mip", mip), ("beyond", beyond), ("cut", cut)];
+        let rungs = [("sampling", sampling), ("resolution", resolution), ("solver", solver), ("mip", mip), ("beyond", beyond), ("cut", cut), ("coordinates", coordinates), ("texels", texels)];
         for (name, value) in rungs {
             options.set(name, value).unwrap();
         }
@@ -113,7 +117,7 @@ proptest! {
     #[test]
     fn ranges_keep_what_the_bounded_format_cannot(seed in any::<u64>(), range in prop_oneof![Just("scaled16"), Just("float16")]) {
         let (patch, picture) = wild(seed);
-        let mut options = Options { cut_codes: 255.0, ..Options::default() };
+        let mut options = Options { cut_codes: 255.0, coordinates: Coordinates::Scaled, ..Options::default() };
         options.set("range", range).unwrap();
         let conversion = converted(&patch.upload(&picture), &options);
         assert_continuous(&conversion)?;
@@ -130,9 +134,13 @@ proptest! {
 
     /// Invariants 2 and 4: no texel is read from two blocks, and samples sit on texel centers.
     #[test]
-    fn blocks_stand_apart_and_exactly(seed in any::<u64>()) {
+    fn blocks_stand_apart_and_exactly(
+        seed in any::<u64>(),
+        coordinates in prop_oneof![Just(Coordinates::Scaled), Just(Coordinates::Indexed)],
+    ) {
         let (patch, picture) = wild(seed);
-        let conversion = converted(&patch.upload(&picture), &Options::default());
+        let options = Options { coordinates, ..Options::default() };
+        let conversion = converted(&patch.upload(&picture), &options);
         prop_assert_eq!(bleeding(&conversion.finished), None);
         for triangle in &conversion.finished.primitives[0].triangles {
             prop_assert!(is_placed_exactly(triangle), "{triangle:?}");
@@ -150,30 +158,33 @@ fn twenty_levels_hold_what_the_first_ones_do() {
     for (seed, beyond) in [(4, Beyond::Heat), (5, Beyond::OneRing)] {
         let (mut patch, picture) = wild(seed);
         patch.positions.iter_mut().for_each(|position| *position *= Vec3::new(1e8, 1e-6, 1e-6));
-        let options = Options { beyond, resolution: Resolution::Area(4.0), ..Options::default() };
-        let conversion = converted(&patch.upload(&picture), &options);
-        assert_eq!(conversion.finished.textures[0].levels.len(), 21);
-        assert_eq!(bleeding(&conversion.finished), None);
-        assert_continuous(&conversion).unwrap();
+        for coordinates in [Coordinates::Scaled, Coordinates::Indexed] {
+            let options =
+                Options { beyond, coordinates, resolution: Resolution::Area(4.0), ..Options::default() };
+            let conversion = converted(&patch.upload(&picture), &options);
+            assert_eq!(conversion.finished.textures[0].levels.len(), 21);
+            assert_eq!(bleeding(&conversion.finished), None);
+            assert_continuous(&conversion).unwrap();
+        }
     }
 }
 
 /// Two triangles of different blocks that read one texel, in words; blocks are told apart by their
-/// offsets, and hold two triangles at most.
+/// offsets or numbers, and hold two triangles at most.
 fn bleeding(finished: &Finished) -> Option<String> {
-    let triangles = &finished.primitives[0].triangles;
-    let block = |triangle: &FinishedTriangle| triangle.offset.to_array().map(f32::to_bits);
+    let piece = &finished.primitives[0];
+    let block = |triangle: usize| block_of(&piece.triangles[triangle]);
     let mut counts = BTreeMap::new();
-    for triangle in triangles {
+    for triangle in 0..piece.triangles.len() {
         *counts.entry(block(triangle)).or_insert(0) += 1;
     }
     if let Some((_, count)) = counts.iter().find(|(_, count)| **count > 2) {
-        return Some(format!("{count} triangles have one offset"));
+        return Some(format!("{count} triangles stand in one block"));
     }
     for (level, image) in finished.textures[0].levels.iter().enumerate() {
         let mut readers: BTreeMap<[i64; 2], usize> = BTreeMap::new();
-        for (number, triangle) in triangles.iter().enumerate() {
-            for place in texels_read(triangle, level) {
+        for number in 0..piece.triangles.len() {
+            for place in texels_read(piece, number, level) {
                 let [x, y] = place;
                 if x < 0 || y < 0 || x >= i64::from(image.width) || y >= i64::from(image.height) {
                     return Some(format!(
@@ -181,7 +192,7 @@ fn bleeding(finished: &Finished) -> Option<String> {
                     ));
                 }
                 let first = *readers.entry(place).or_insert(number);
-                if block(&triangles[first]) != block(triangle) {
+                if block(first) != block(number) {
                     return Some(format!("level {level}: triangles {first} and {number} read {place:?}"));
                 }
             }
@@ -190,30 +201,43 @@ fn bleeding(finished: &Finished) -> Option<String> {
     None
 }
 
-/// `u_s` spans a square of side `2^r` that begins at a multiple of `2^r`, each corner at a corner of the
+/// Local coordinates are corners of the block's square; or `u_s` spans a square of side `2^r` that begins at a multiple of `2^r`, each corner at a corner of the
 /// square; `u_δ` is whole texels and a half.
 fn is_placed_exactly(triangle: &FinishedTriangle) -> bool {
-    let least = triangle.scaled.into_iter().fold(Vec2::INFINITY, Vec2::min);
-    let most = triangle.scaled.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
+    let Anchor::Offset(offset) = triangle.anchor else {
+        return triangle.corners.iter().flat_map(|corner| corner.to_array()).all(|at| at == 0.0 || at == 1.0);
+    };
+    let least = triangle.corners.into_iter().fold(Vec2::INFINITY, Vec2::min);
+    let most = triangle.corners.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
     let side = most.x - least.x;
     let is_square = side == most.y - least.y && side >= 1.0 && side.log2().fract() == 0.0;
     let is_multiple = (least / side).fract() == Vec2::ZERO && least.min_element() >= 0.0;
-    let at_corners = triangle.scaled.iter().all(|corner| ((*corner - least) / side).fract() == Vec2::ZERO);
-    is_square && is_multiple && at_corners && triangle.offset.fract() == Vec2::splat(0.5)
+    let at_corners = triangle.corners.iter().all(|corner| ((*corner - least) / side).fract() == Vec2::ZERO);
+    is_square && is_multiple && at_corners && offset.fract() == Vec2::splat(0.5)
+}
+
+/// What tells its block from others: `u_δ`, or class and number.
+fn block_of(triangle: &FinishedTriangle) -> [u32; 2] {
+    match triangle.anchor {
+        Anchor::Offset(offset) => offset.to_array().map(f32::to_bits),
+        Anchor::Block { class, number } => [class, number],
+    }
 }
 
 #[test]
 fn the_checks_see_what_they_look_for() {
     let (patch, picture) = wild(3);
-    let options = Options { cut_codes: 255.0, ..Options::default() };
+    let options = Options { cut_codes: 255.0, coordinates: Coordinates::Scaled, ..Options::default() };
     let mut conversion = converted(&patch.upload(&picture), &options);
     assert_continuous(&conversion).unwrap();
     let sound = conversion.finished.clone();
 
     // A block moved by one texel along both axes runs into another, or out of the image.
     let moved = &mut conversion.finished.primitives[0].triangles;
-    let offset = moved[0].offset;
-    moved.iter_mut().filter(|triangle| triangle.offset == offset).for_each(|t| t.offset += 1.0);
+    let first = moved[0].anchor;
+    let Anchor::Offset(offset) = first else { panic!("4D coordinates") };
+    let further = Anchor::Offset(offset + 1.0);
+    moved.iter_mut().filter(|triangle| triangle.anchor == first).for_each(|t| t.anchor = further);
     assert!(bleeding(&conversion.finished).is_some());
 
     // The texel at a triangle's corner, brightened or darkened by 40 codes: a jump wherever the corner is
@@ -221,7 +245,7 @@ fn the_checks_see_what_they_look_for() {
     let seen = |number: &usize| {
         let mut conversion =
             Conversion { finished: sound.clone(), ..converted(&patch.upload(&picture), &options) };
-        let place = sound.primitives[0].triangles[*number].place(0, 0).floor();
+        let place = sound.primitives[0].place(*number, 0, 0).floor();
         let image = &mut conversion.finished.textures[0].levels[0];
         let Pixels::U8(codes) = &mut image.pixels else { panic!("8 bits") };
         let at = (place.y as usize * image.width as usize + place.x as usize) * 3;
@@ -231,10 +255,10 @@ fn the_checks_see_what_they_look_for() {
     assert!((0..20).filter(seen).count() >= 10);
 
     let mut triangle = sound.primitives[0].triangles[0];
-    triangle.offset.x += 0.5;
+    triangle.anchor = Anchor::Offset(offset + Vec2::new(0.5, 0.0));
     assert!(!is_placed_exactly(&triangle));
     triangle = sound.primitives[0].triangles[0];
-    triangle.scaled[1].x += 1.0;
+    triangle.corners[1].x += 1.0;
     assert!(!is_placed_exactly(&triangle));
 }
 
@@ -267,12 +291,12 @@ proptest! {
         prop_assert_eq!(level.code_max(), source.code_max());
         // A quad of the canvas is two triangles in a row.
         let corners = patch.faces.iter().flat_map(|face| (1..face.len() - 1).map(move |k| [face[0], face[k], face[k + 1]]));
-        let triangles = &conversion.finished.primitives[0].triangles;
-        for (triangle, corners) in triangles.iter().zip(corners) {
+        let piece = &conversion.finished.primitives[0];
+        for (triangle, corners) in (0..piece.triangles.len()).zip(corners) {
             for (i, j) in (0..=segments).flat_map(|j| (0..=segments - j).map(move |i| (i, j))) {
                 let weights = Vec3::new((segments - i - j) as f32, i as f32, j as f32) / segments as f32;
                 let wanted = (corners[0].1 * weights.x + corners[1].1 * weights.y + corners[2].1 * weights.z) * width as f32;
-                let [found, wanted] = [triangle.place_at(weights, 0), wanted].map(|place| place.floor().as_uvec2());
+                let [found, wanted] = [piece.place_at(triangle, weights, 0), wanted].map(|place| place.floor().as_uvec2());
                 prop_assert_eq!(texel(level, found.x, found.y), texel(&source, wanted.x, wanted.y));
             }
         }
@@ -298,16 +322,19 @@ fn one_two_and_four_threads_give_the_same_bytes() {
 /// What each face shows at its samples, by level, face, sample: independent of where it stands.
 fn samples(conversion: &Conversion, exponent: u32) -> Vec<Vec<Vec<Vec3>>> {
     let texture = &conversion.finished.textures[0];
-    let triangles = &conversion.finished.primitives[0].triangles;
-    let of = |level: usize, triangle: &FinishedTriangle| {
+    let piece = &conversion.finished.primitives[0];
+    let of = |level: usize, triangle: usize| {
         let n = 1 << (exponent as usize).saturating_sub(level);
         let points = (0..=n).flat_map(|j| (0..=n - j).map(move |i| (i, j)));
         let weights = points.map(|(i, j)| Vec3::new((n - i - j) as f32, i as f32, j as f32) / n as f32);
         weights
-            .map(|at| shown_codes(&texture.levels[level], texture.transfer, triangle.place_at(at, level)))
+            .map(|at| {
+                shown_codes(&texture.levels[level], texture.transfer, piece.place_at(triangle, at, level))
+            })
             .collect()
     };
-    (0..texture.levels.len()).map(|level| triangles.iter().map(|t| of(level, t)).collect()).collect()
+    let triangles = || 0..piece.triangles.len();
+    (0..texture.levels.len()).map(|level| triangles().map(|t| of(level, t)).collect()).collect()
 }
 
 /// Triangles alone, on one smooth picture with seams inside of the grid.

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use meshcolor::measure::{ChannelReport, LevelReport, Report};
+use meshcolor::measure::{ChannelReport, LayoutLevel, LevelReport, Report};
 use meshcolor::pipeline::{Options, convert};
 use meshcolor::read::{Limits, Upload};
 use meshcolor::watch::Unwatched;
@@ -13,16 +13,20 @@ use meshcolor_tests::repository::{hold, markdown};
 const DOCUMENT: &str = "docs/ladders.md";
 
 /// What is beside `standard`, by the name that tables use.
-const RUNS: [(&str, &[(&str, &str)]); 8] = [
+const RUNS: [(&str, &[(&str, &str)]); 10] = [
     ("standard", &[]),
     ("filtered", &[("sampling", "filtered")]),
     ("fitted", &[("sampling", "fitted")]),
-    ("scaled16", &[("range", "scaled16")]),
-    ("one-ring", &[("beyond", "one-ring")]),
-    ("unorm8", &[("range", "unorm8")]),
-    ("unorm8 one-ring", &[("range", "unorm8"), ("beyond", "one-ring")]),
-    ("unorm8 local", &[("range", "unorm8"), ("solver", "local")]),
+    ("indexed one-ring", &[("beyond", "one-ring")]),
+    ("float16", &[FOUR_D]),
+    ("scaled16", &[FOUR_D, ("range", "scaled16")]),
+    ("one-ring", &[FOUR_D, ("beyond", "one-ring")]),
+    ("unorm8", &[FOUR_D, ("range", "unorm8")]),
+    ("unorm8 one-ring", &[FOUR_D, ("range", "unorm8"), ("beyond", "one-ring")]),
+    ("unorm8 local", &[FOUR_D, ("range", "unorm8"), ("solver", "local")]),
 ];
+/// Coordinates that have texels beyond vertex colors, which the ladders of ranges and solvers are about.
+const FOUR_D: (&str, &str) = ("coordinates", "4d");
 
 /// A model's reports by run, and its base color's part of one.
 struct Runs(BTreeMap<&'static str, Report>);
@@ -87,11 +91,30 @@ fn formats(runs: &Runs) -> String {
     let heading =
         ["unorm8: mean", "95 %", "max", "scaled16: mean", "95 %", "max", "float16: mean", "95 %", "max"];
     runs.by_level(&heading, |level| {
-        let all = ["unorm8", "scaled16", "standard"].map(|run| changes(runs.color(run), level));
+        let all = ["unorm8", "scaled16", "float16"].map(|run| changes(runs.color(run), level));
         if all == [[0.0; 3]; 3] {
             return Vec::new();
         }
         all.iter().flatten().map(|codes| format!("{codes:.2}")).collect()
+    })
+}
+
+/// Texels, and what of them no face uses, level by level and over all levels, which are levels of the first material.
+fn coordinates(runs: &Runs) -> String {
+    let heading = ["texels, indexed", "4d", "not used, indexed", "4d", "error, indexed", "4d"];
+    let levels = |run: &str| &runs.0[run].layouts[0].levels;
+    let error = |run: &str, level: usize| {
+        let error = runs.color(run).levels.get(level).and_then(|level| level.mip_error);
+        error.map_or_else(String::new, |error| format!("{:.2}", error.rms))
+    };
+    let both = ["standard", "float16"];
+    runs.by_level(&heading, |level| {
+        let of = |show: &dyn Fn(&LayoutLevel) -> String| {
+            both.map(|run| levels(run).get(level).map_or_else(String::new, show))
+        };
+        let texels = of(&|level| level.allocated_texels.to_string());
+        let waste = of(&|level| format!("{:.1} %", 100.0 * level.waste));
+        [texels, waste, both.map(|run| error(run, level))].concat()
     })
 }
 
@@ -109,7 +132,7 @@ fn beyond(runs: &Runs) -> String {
     runs.by_level(&heading, |level| {
         vec![
             error("standard", level),
-            error("one-ring", level),
+            error("indexed one-ring", level),
             outside("unorm8", level),
             outside("unorm8 one-ring", level),
         ]
@@ -132,6 +155,7 @@ fn compare(model: &str) {
     let runs = Runs::new(&upload);
     for (ladder, text) in [
         ("sampling", sampling(&runs)),
+        ("coordinates", coordinates(&runs)),
         ("range", formats(&runs)),
         ("beyond", beyond(&runs)),
         ("solver", solvers(&runs)),

@@ -37,7 +37,8 @@ fn loose_files_come_along_and_change_nothing_else() {
 
 #[test]
 fn ktx_parse_reads_what_was_written() {
-    let conversion = converted(&[("textures", "ktx2")]);
+    // 4D coordinates have levels in ranges of their own.
+    let conversion = converted(&[("textures", "ktx2"), ("coordinates", "4d")]);
     let files: Vec<&[u8]> = conversion.files[2..].iter().map(|file| file.bytes.as_slice()).collect();
     let Some(read) = validator::ktx(&files) else {
         println!("skipped: no ktx-parse; tests/run installs it");

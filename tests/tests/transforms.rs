@@ -120,8 +120,10 @@ proptest! {
         let other = moved(&patch, random_turn(&mut random), scale, Vec3::from(shift) * scale);
         let options = options(quality, is_welded);
         let [first, second] = [&patch, &other].map(|patch| converted(patch, &image, &options));
-        prop_assert!(first.finished.primitives == second.finished.primitives);
-        let levels = first.finished.textures[0].levels.len();
+        // How many levels there are depends on the box around the model, which turns with it.
+        let triangles = |of: &Conversion| of.finished.primitives.iter().map(|piece| piece.triangles.clone()).collect::<Vec<_>>();
+        prop_assert!(triangles(&first) == triangles(&second));
+        let levels = [&first, &second].map(|of| of.finished.textures[0].levels.len()).into_iter().min().unwrap_or(0);
         let corner_count = if kind == Kind::Triangles { 3 } else { 4 };
         let apart = apart_codes(
             &Faces::new(&first, &patch), &Faces::new(&second, &other), &in_place(&patch), corner_count, levels,

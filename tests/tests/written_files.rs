@@ -2,11 +2,13 @@
 //! read again.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use glam::{Vec2, Vec3, Vec4};
 use meshcolor::asset::{Asset, Slot};
 use meshcolor::finished::{
-    Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame, PrimitiveCuts, extract,
+    Anchor, BlockClass, BlockTable, Coordinates, Finished, FinishedPrimitive, FinishedTexture,
+    FinishedTriangle, Frame, PrimitiveCuts, TableLevel, extract,
 };
 use meshcolor::image::{Image, Pixels, Transfer};
 use meshcolor::read::{Limits, Upload, read};
@@ -58,8 +60,8 @@ fn piece(
         for corners in face.triangles() {
             triangles.push(FinishedTriangle {
                 vertices: corners.map(|corner| face.corners[corner]),
-                scaled: corners.map(|corner| Vec2::new(corner as f32, (number % 7) as f32)),
-                offset: Vec2::new(0.5 + (number % 50) as f32, 1.5),
+                corners: corners.map(|corner| Vec2::new(corner as f32, (number % 7) as f32)),
+                anchor: Anchor::Offset(Vec2::new(0.5 + (number % 50) as f32, 1.5)),
             });
         }
     }
@@ -69,7 +71,8 @@ fn piece(
     let mut bits = vec![0; triangles.len()];
     bits[triangles.len() / 2] = 0b011;
     let cuts = vec![PrimitiveCuts { texture: first, bits }];
-    Some(FinishedPrimitive { mesh, primitive, material, triangles, frames, cuts })
+    let coordinates = Coordinates::Scaled;
+    Some(FinishedPrimitive { mesh, primitive, material, coordinates, triangles, frames, cuts })
 }
 
 fn gradient(width: u32, height: u32, shift: u8) -> Image {
@@ -78,13 +81,41 @@ fn gradient(width: u32, height: u32, shift: u8) -> Image {
     Image { width, height, components: 3, pixels: Pixels::U8(codes) }
 }
 
-/// Writes a made-up conversion, has it judged, and reads it back: what comes back is what went in, with
+/// The same with indexed coordinates: blocks of one quad, and of two side by side.
+fn indexed(mut finished: Finished) -> Finished {
+    let class =
+        |columns: u32| BlockClass { exponents: [0, 0], cells: [columns, 1], gap: [1, 1], shift: [0, 0] };
+    let level = |size: &(u32, u32)| TableLevel {
+        columns: vec![size.0 / 2, size.0 / 3],
+        firsts: vec![0; 2],
+        origins: vec![[0, 0], [0, 4]],
+    };
+    let table =
+        BlockTable { classes: vec![class(1), class(2)], levels: LEVEL_SIZES.iter().map(level).collect() };
+    let table = Arc::new(table);
+    for piece in &mut finished.primitives {
+        piece.coordinates = Coordinates::Indexed(Arc::clone(&table));
+        for (number, triangle) in piece.triangles.iter_mut().enumerate() {
+            let (class, number) = (number as u32 % 2, number as u32 / 2 % 12);
+            triangle.corners = [0, 1, 2].map(|k: u32| Vec2::new((k % 2 + class) as f32, (k / 2) as f32));
+            triangle.anchor = Anchor::Block { class, number };
+        }
+    }
+    finished
+}
+
+/// Writes made-up conversions, has them judged, and reads them back: what comes back is what went in, with
 /// the vertices numbered anew.
 fn judge(name: &str, upload: &Upload) {
     let asset = load(upload);
     let finished = made_up(&asset);
     assert!(!finished.primitives.is_empty(), "{name} has nothing to convert");
-    let glb = meshcolor::write::glb(&asset, &finished, &Unwatched).unwrap();
+    judge_one(name, &asset, &finished);
+    judge_one(&format!("{name}, indexed"), &asset, &indexed(finished));
+}
+
+fn judge_one(name: &str, asset: &Asset, finished: &Finished) {
+    let glb = meshcolor::write::glb(asset, finished, &Unwatched).unwrap().bytes;
     validator::expect_valid(name, &glb, true);
 
     let back = load(&Upload::single("asset.glb", glb));
@@ -94,19 +125,20 @@ fn judge(name: &str, upload: &Upload) {
     for (read, wrote) in read.primitives.iter().zip(&finished.primitives) {
         assert_eq!((read.mesh, read.primitive, &read.cuts), (wrote.mesh, wrote.primitive, &wrote.cuts));
         assert!(read.frames == wrote.frames, "{name}: frames");
+        assert_eq!(read.coordinates, wrote.coordinates, "{name}");
         let positions = |asset: &Asset, piece: &FinishedPrimitive| -> Vec<Vec3> {
             let source = &asset.meshes[piece.mesh].primitives[piece.primitive];
             let vertices = piece.triangles.iter().flat_map(|triangle| triangle.vertices);
             vertices.map(|vertex| source.positions[vertex as usize]).collect()
         };
-        assert!(positions(&back, read) == positions(&asset, wrote), "{name}: positions");
+        assert!(positions(&back, read) == positions(asset, wrote), "{name}: positions");
         let places = |piece: &FinishedPrimitive| -> Vec<_> {
-            piece.triangles.iter().map(|triangle| (triangle.scaled, triangle.offset)).collect()
+            piece.triangles.iter().map(|triangle| (triangle.corners, triangle.anchor)).collect()
         };
         assert!(places(read) == places(wrote), "{name}: places");
     }
     let passed_on = |asset: &Asset| (asset.instances.clone(), asset.document.json["animations"].is_null());
-    assert_eq!(passed_on(&back), passed_on(&asset), "{name}");
+    assert_eq!(passed_on(&back), passed_on(asset), "{name}");
 }
 
 #[test]
@@ -130,7 +162,7 @@ fn a_model_without_anything_converted_passes_through() {
     for name in ["DamagedHelmet.glb", "Fox.glb"] {
         let Some(bytes) = models::bytes(name) else { return };
         let asset = load(&Upload::single(name, bytes));
-        let glb = meshcolor::write::glb(&asset, &Finished::default(), &Unwatched).unwrap();
+        let glb = meshcolor::write::glb(&asset, &Finished::default(), &Unwatched).unwrap().bytes;
         // The source has warnings of its own.
         validator::expect_valid(name, &glb, false);
         let back = load(&Upload::single(name, glb));
@@ -144,7 +176,7 @@ fn a_model_without_anything_converted_passes_through() {
 fn an_obj_model_without_anything_converted_is_valid() {
     let Some(bytes) = models::bytes("monsterfrog.obj") else { return };
     let asset = load(&Upload::single("monsterfrog.obj", bytes));
-    let glb = meshcolor::write::glb(&asset, &Finished::default(), &Unwatched).unwrap();
+    let glb = meshcolor::write::glb(&asset, &Finished::default(), &Unwatched).unwrap().bytes;
     validator::expect_valid("monsterfrog", &glb, true);
     let triangle_count = |asset: &Asset| -> usize {
         let primitives = asset.meshes.iter().flat_map(|mesh| &mesh.primitives);

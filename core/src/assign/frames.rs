@@ -7,7 +7,7 @@
 use glam::{Mat3, Vec3, Vec4};
 
 use crate::math::frame::Frame;
-use crate::mesh::{CanvasMesh, surface_point};
+use crate::mesh::{CanvasMesh, drawn_corners, surface_point};
 
 #[derive(Clone, Debug)]
 pub struct NormalFrames {
@@ -17,18 +17,11 @@ pub struct NormalFrames {
     pub scale: f32,
 }
 
-/// Frames from corner normals (unit length). Faces in one merged pair (`partner`) use one axis.
-pub fn choose_frames(
-    canvas: &CanvasMesh,
-    normals: &[[Vec3; 4]],
-    partner: impl Fn(usize) -> Option<usize>,
-    scale: f32,
-) -> NormalFrames {
-    let sum = |face: usize| normals[face][..canvas.faces[face].count()].iter().sum::<Vec3>();
-    let corners = (0..canvas.faces.len()).map(|face| {
-        let mean = sum(face) + partner(face).map_or(Vec3::ZERO, sum);
-        let axis = axis_across(mean);
-        normals[face].map(|normal| Frame { normal, tangent: tangent(normal, axis).extend(1.0) })
+/// Frames from corner normals (unit length).
+pub fn choose_frames(canvas: &CanvasMesh, normals: &[[Vec3; 4]], scale: f32) -> NormalFrames {
+    let corners = canvas.faces.iter().zip(normals).map(|(face, normals)| {
+        let axis = axis_across(normals[..face.count()].iter().sum());
+        normals.map(|normal| Frame { normal, tangent: tangent(normal, axis).extend(1.0) })
     });
     NormalFrames { corners: corners.collect(), scale }
 }
@@ -154,9 +147,9 @@ impl NormalFrames {
 
     /// The linear map from an object-space normal to the stored value less 1/2, at a point of a face.
     pub fn to_stored(&self, canvas: &CanvasMesh, face: usize, s: f32, t: f32) -> Mat3 {
-        let (corners, weights) = surface_point(canvas.faces[face].count(), s, t);
+        let (triangle, weights) = surface_point(canvas.faces[face].count(), s, t);
         let frames = &self.corners[face];
-        let frame = Frame::blend(corners.map(|corner| &frames[corner]), weights);
+        let frame = Frame::blend(drawn_corners(triangle).map(|corner| &frames[corner]), weights);
         let [across, along] = self.factors();
         Mat3::from_diagonal(Vec3::new(across, across, along)) * frame.transpose()
     }

@@ -66,14 +66,12 @@ impl LevelChannel<'_> {
         }
     }
 
-    /// Which face's corner stands at each corner of a cell's square; the square's rows, then its columns.
-    fn square(&self, faces: [Option<u32>; 2]) -> [[Option<(usize, usize)>; 2]; 2] {
+    /// Which corner of a face stands at each corner of its block's square; the square's rows, then its columns.
+    fn square(&self, face: usize) -> [[Option<usize>; 2]; 2] {
         let mut corners = [[None; 2]; 2];
-        for face in faces.into_iter().flatten().map(|face| face as usize) {
-            for corner in 0..self.numbering.canvas.faces[face].count() {
-                let [x, y] = self.layout.placements[face].corners[corner].map(usize::from);
-                corners[y][x] = Some((face, corner));
-            }
+        for corner in 0..self.numbering.canvas.faces[face].count() {
+            let [x, y] = self.layout.placements[face].corners[corner].map(usize::from);
+            corners[y][x] = Some(corner);
         }
         corners
     }

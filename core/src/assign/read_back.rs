@@ -29,16 +29,15 @@ pub fn read_back(
         Some(_) => of_versions(channel, values, of_copy),
     };
     let numbering = channel.numbering;
-    let scale = (-(numbering.level as f32)).exp2();
     for (face, canvas_face) in numbering.canvas.faces.iter().enumerate() {
-        if !channel.layout.block(face).is_beyond(numbering.level) {
+        if !channel.layout.is_beyond(channel.layout.block(face), numbering.level) {
             continue;
         }
         for corner in 0..canvas_face.count() {
             let sample = numbering.topology.fan_of[face][corner] as usize;
             let (s, t) = corner_point(canvas_face.is_triangle(), corner);
             let wanted = channel.stored(face, values.fans[sample], s, t).as_vec4();
-            let place = channel.layout.scaled(face, corner) * scale + channel.layout.offset(face);
+            let place = channel.layout.place(face, corner, numbering.level);
             changes[sample] = changes[sample].max(change(bilinear(image, range, place), wanted));
         }
     }
@@ -49,16 +48,15 @@ pub fn read_back(
 fn of_versions(channel: &LevelChannel<'_>, values: &LevelValues, change: impl Fn(Vec4) -> f64) -> Vec<f64> {
     let numbering = channel.numbering;
     let mut changes = vec![0.0f64; values.samples.len()];
-    for (face, canvas_face) in numbering.canvas.faces.iter().enumerate() {
-        if channel.layout.block(face).is_beyond(numbering.level) {
+    for face in 0..numbering.canvas.faces.len() {
+        if channel.layout.is_beyond(channel.layout.block(face), numbering.level) {
             continue;
         }
-        let n = numbering.segments(face);
-        let end = |j: u32| if canvas_face.is_triangle() { n - j } else { n };
-        for (i, j) in (0..=n).flat_map(|j| (0..=end(j)).map(move |i| (i, j))) {
+        let shape = numbering.shape(face);
+        for (i, j) in (0..=shape.segments[1]).flat_map(|j| (0..shape.point_count(j)).map(move |i| (i, j))) {
             let Tap { samples: [sample, _], second } = numbering.tap(face, i, j);
             if second == 0.0 {
-                let [s, t] = [i, j].map(|k| k as f32 / n as f32);
+                let [s, t] = shape.unit(i, j);
                 let value = values.samples[sample as usize].as_dvec4();
                 let changed = &mut changes[sample as usize];
                 *changed = changed.max(change(channel.stored(face, value, s, t).as_vec4()));

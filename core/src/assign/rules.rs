@@ -24,7 +24,7 @@ pub struct Rules {
     /// One past the last row of each group.
     group_ends: Vec<u32>,
     /// By group.
-    faces: Vec<[Option<u32>; 2]>,
+    faces: Vec<Option<u32>>,
     /// Whether the weights of every row sum to 1 and no row has a constant: all but normals.
     is_affine: bool,
     links: OnceLock<Links>,
@@ -90,7 +90,7 @@ impl Rules {
         let mut rules = Self { is_affine, ..Self::default() };
         for (terms, constant) in rows {
             rules.push(terms, *constant);
-            rules.end_group([None; 2]);
+            rules.end_group(None);
         }
         rules.number_variables();
         rules
@@ -117,15 +117,15 @@ impl Rules {
         let mut rules = Self { is_affine: true, ..Self::default() };
         for (face, rows) in rows.chunks(4).enumerate() {
             rows.iter().for_each(|(terms, constant)| rules.push(terms, *constant));
-            rules.end_group([Some(face as u32), None]);
+            rules.end_group(Some(face as u32));
         }
         rules.number_variables();
         rules
     }
 
-    /// The faces whose corners alone the group is about, beyond vertex colors; none for border texels.
-    pub fn faces(&self, group: usize) -> impl Iterator<Item = usize> {
-        self.faces[group].into_iter().flatten().map(|face| face as usize)
+    /// The face whose corners alone the group is about, beyond vertex colors; none for border texels.
+    pub fn face(&self, group: usize) -> Option<usize> {
+        self.faces[group].map(|face| face as usize)
     }
 
     /// Which groups are about which variable; found when first asked for.
@@ -155,8 +155,8 @@ impl Rules {
         }
     }
 
-    fn end_group(&mut self, faces: [Option<u32>; 2]) {
-        self.faces.push(faces);
+    fn end_group(&mut self, face: Option<u32>) {
+        self.faces.push(face);
         self.group_ends.push(self.constants.len() as u32);
     }
 
@@ -204,10 +204,10 @@ pub fn rules(channel: &LevelChannel<'_>) -> Rules {
     let rules = Rules { is_affine: channel.frames.is_none(), ..Rules::default() };
     let mut builder = Builder { channel, rules };
     for block in &channel.layout.blocks {
-        if block.is_beyond(channel.numbering.level) {
-            block.kind.cells().for_each(|cell| builder.beyond(block, cell));
+        if channel.layout.is_beyond(block, channel.numbering.level) {
+            block.kind.faces().for_each(|face| builder.beyond(block, face));
         } else if block.kind.is_lone() {
-            block.kind.cells().flatten().flatten().for_each(|face| builder.border(face as usize));
+            block.kind.faces().for_each(|face| builder.border(face));
         }
     }
     builder.rules.number_variables();
@@ -234,7 +234,7 @@ impl Builder<'_> {
         if self.channel.is_free(face, diagonal) {
             return;
         }
-        let n = self.channel.numbering.segments(face);
+        let [n, _] = self.channel.numbering.shape(face).segments;
         let scale = 1.0 / n as f32;
         for x in 1..=n {
             let y = n + 1 - x;
@@ -250,19 +250,19 @@ impl Builder<'_> {
                 add(samples[0], weight * f64::from(1.0 - second));
             }
             self.push(&parts);
-            self.rules.end_group([None; 2]);
+            self.rules.end_group(None);
         }
     }
 
-    /// The texels whose bilinear footprint a cell is.
-    fn beyond(&mut self, block: &Block, faces: [Option<u32>; 2]) {
+    /// The texels whose bilinear footprint a face is.
+    fn beyond(&mut self, block: &Block, face: usize) {
         let numbering = self.channel.numbering;
-        let corners = self.channel.square(faces);
-        let cell = BeyondCell::new(self.channel, block, faces);
+        let corners = self.channel.square(face);
+        let cell = BeyondCell::new(self.channel, block, face);
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let weights = corner_weights(corners.map(|row| row.map(|c| c.is_some())), cell.at(dx, dy));
             let parts = weights.into_iter().filter_map(|([x, y], weight)| {
-                let (face, corner) = corners[y][x]?;
+                let corner = corners[y][x]?;
                 let sample = numbering.topology.fan_of[face][corner];
                 let at = corner_point(numbering.canvas.faces[face].is_triangle(), corner);
                 Some(Part { sample, weight, face, at })
@@ -270,7 +270,7 @@ impl Builder<'_> {
             let parts: Vec<Part> = parts.collect();
             self.push(&parts);
         }
-        self.rules.end_group(faces);
+        self.rules.end_group(Some(face as u32));
     }
 
     fn push(&mut self, parts: &[Part]) {

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions};
 use crate::image::{Image, LevelRange, Pixels, Transfer, Wrap, WrapMode, bilinear};
-use crate::layout::{Layout, LayoutRequest, arrange};
+use crate::layout::{Coordinates, Layout, LayoutRequest, arrange};
 use crate::mesh::{CanvasMesh, Polygons, build};
 use crate::watch::Unwatched;
 
@@ -23,17 +23,20 @@ struct Case {
 
 /// A lone triangle beside a quad, the triangle's diagonal on the edge that they share.
 fn triangle_and_quad(exponents: [u8; 2], levels: usize) -> Case {
+    case_of(Resolutions::uniform(exponents), levels, Coordinates::Scaled)
+}
+
+fn case_of(resolutions: Resolutions, levels: usize, coordinates: Coordinates) -> Case {
     let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(2.0, 1.0, 0.0), Vec3::new(1.0, 2.0, 0.0)];
     let mut faces = [([0, 1, 2, 0], 3), ([1, 3, 4, 2], 4)].into_iter();
     let canvas = build([Polygons { mesh: 0, primitive: 0, positions: &positions, faces: &mut faces }]);
-    let resolutions = Resolutions { faces: exponents.to_vec() };
     let layout = arrange(&LayoutRequest {
         canvas: &canvas,
         resolutions: &resolutions,
-        mergeable: &vec![false; canvas.edges.len()],
         diagonals: &[1, 0],
         level_count: levels,
         side_limit: 16_384,
+        coordinates,
     });
     Case { layout: layout.unwrap(), canvas, resolutions }
 }
@@ -116,8 +119,7 @@ fn a_range_holds_what_the_bounded_format_cannot() {
             assert!(matches!(image.pixels, Pixels::U16(_)));
             for (of_triangle, of_quad) in [(1, 0), (2, 3)] {
                 let read = [(0, of_triangle), (1, of_quad)].map(|(face, corner)| {
-                    let place =
-                        case.layout.scaled(face, corner) / (level as f32).exp2() + case.layout.offset(face);
+                    let place = case.layout.place(face, corner, level);
                     let (first, part) = ((place - 0.5).floor(), (place - 0.5).fract());
                     let texel =
                         |dx: u32, dy: u32| range.texel(&image, first.x as u32 + dx, first.y as u32 + dy).x;
@@ -150,7 +152,7 @@ fn borders_of_linear_formats_keep_their_rule_to_the_code() {
         let image = paint(&channel, &values, storing, &Unwatched).unwrap();
         let Pixels::U8(codes) = &image.pixels else { panic!("8 bits") };
         let code = |at: Vec2| i32::from(codes[at.y as usize * image.width as usize + at.x as usize]);
-        let corner = |k: usize| (case.layout.scaled(0, k) + case.layout.offset(0)).floor();
+        let corner = |k: usize| case.layout.place(0, k, 0).floor();
         let [low, high] = [corner(1), corner(2)];
         let inward = (corner(0) - (low + high) / 2.0).signum();
         let cells = (0..8).map(|step| low + (high - low) * (step as f32 / 8.0));
@@ -172,9 +174,7 @@ fn borders_of_linear_formats_keep_their_rule_to_the_code() {
 }
 
 fn at(case: &Case, image: &Image, level: usize, face: usize, weights: &[(usize, f32)]) -> f32 {
-    let scaled: Vec2 =
-        weights.iter().map(|&(corner, weight)| case.layout.scaled(face, corner) * weight).sum();
-    let place = scaled / (level as f32).exp2() + case.layout.offset(face);
+    let place = weights.iter().map(|&(corner, weight)| case.layout.place(face, corner, level) * weight).sum();
     bilinear(image, Transfer::Linear, CLAMP, place).x
 }
 
@@ -182,9 +182,17 @@ fn at(case: &Case, image: &Image, level: usize, face: usize, weights: &[(usize, 
 /// which has the edge on a side, reads the same.
 #[test]
 fn a_diagonal_reads_like_the_side_of_its_neighbor() {
-    for exponents in [[3, 3], [3, 1], [2, 4]] {
-        let case = triangle_and_quad(exponents, 5);
-        for level in 0..=usize::from(exponents[0].max(exponents[1])) {
+    let uniform = [[3, 3], [3, 1], [2, 4]].map(|exponents| {
+        let last = usize::from(exponents[0].max(exponents[1]));
+        (Resolutions::uniform(exponents), Coordinates::Scaled, last)
+    });
+    // Of elongated quads, with coordinates that reach to any level.
+    let elongated = [[3, 3], [3, 1], [1, 3], [2, 4], [4, 0], [0, 4]]
+        .map(|quad| (Resolutions { faces: vec![[3, 3], quad] }, Coordinates::Indexed, 5));
+    for (resolutions, coordinates, last) in uniform.into_iter().chain(elongated) {
+        let exponents = resolutions.faces.clone();
+        let case = case_of(resolutions, 6, coordinates);
+        for level in 0..=last {
             let noise = |k: usize| 0.35 + 0.1 * ((k * 7919 % 31) as f32 / 31.0);
             let (image, _, _) = painted(&case, level, noise);
             for step in 0..=64 {
@@ -243,7 +251,7 @@ fn stored_normals_decode_to_what_they_were() {
     let case = triangle_and_quad([1, 1], 2);
     let normals = vec![[Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.6, 0.8), Vec3::Z]; 2];
     for scale in [1.0, 0.5, 2.0] {
-        let frames: NormalFrames = choose_frames(&case.canvas, &normals, |_| None, scale);
+        let frames: NormalFrames = choose_frames(&case.canvas, &normals, scale);
         let wanted = Vec3::new(0.3, -0.2, 0.9).normalize();
         let (s, t) = (0.25, 0.5);
         let stored = Vec3::splat(0.5) + frames.to_stored(&case.canvas, 0, s, t) * wanted;
@@ -280,7 +288,7 @@ fn a_flat_color_stays_flat_at_any_distance() {
 fn normals_in_a_range_are_changed_by_its_rounding_alone() {
     let case = triangle_and_quad([0, 2], 3);
     let across = vec![[Vec3::X; 4]; 2];
-    let frames = choose_frames(&case.canvas, &across, |_| None, 1.0);
+    let frames = choose_frames(&case.canvas, &across, 1.0);
     let lean =
         |k: usize| Vec3::new(1.0, 0.02 * (k % 5) as f32, -0.03 * (k % 3) as f32).normalize().extend(1.0);
     let codec = Codec { transfer: Transfer::Linear, components: 3, bits: 8 };
@@ -303,7 +311,7 @@ fn lines_of_normals_are_stored_as_single_ones() {
     let lean = |x: f32, y: f32| Vec3::new(x, y, 1.0).normalize();
     let normals = vec![[lean(0.1, 0.0), lean(0.9, -0.4), lean(0.0, 0.7), lean(-0.6, -0.6)]; 2];
     for scale in [1.0, 0.5, -2.0] {
-        let frames = choose_frames(&case.canvas, &normals, |_| None, scale);
+        let frames = choose_frames(&case.canvas, &normals, scale);
         for (face, at, step) in [
             (0, [0.0, 0.25], [0.125, 0.0]),
             (0, [1.0, 0.0], [-0.125, 0.125]),

@@ -30,7 +30,8 @@ impl SampleAreas {
             let mut inside = 0.0;
             for side in topology.sides(strip) {
                 let face = side.face as usize;
-                let step = (numbering.segments(face) / numbering.strip_segments(number)) as f32;
+                let along = numbering.shape(face).edge_segments(side.edge.into());
+                let step = (along / numbering.strip_segments(number)) as f32;
                 // A finer face's points between two samples count for both: a hat's sum is `step`, and half of
                 // what is left of it beyond its top falls to the strip's end.
                 let share = faces[face] * 0.5;
@@ -62,7 +63,5 @@ pub enum SamplePlace {
 
 /// The area of each sample inside a face.
 fn inner_area(numbering: &LevelNumbering<'_>, face: usize) -> f32 {
-    let canvas_face = &numbering.canvas.faces[face];
-    let cells = if canvas_face.is_triangle() { 2.0 } else { 1.0 };
-    cells * canvas_face.area / (numbering.segments(face) as f32).powi(2)
+    numbering.canvas.faces[face].area / numbering.shape(face).square_count()
 }

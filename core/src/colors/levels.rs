@@ -20,10 +20,10 @@ pub fn level_count(canvas: &CanvasMesh, resolutions: &Resolutions) -> usize {
     let mut first = 0;
     for faces in canvas.faces.chunk_by(|a, b| a.mesh == b.mesh) {
         let mut extent = Extent::default();
-        for (face, &exponent) in faces.iter().zip(&resolutions.faces[first..]) {
+        for (face, &[r, s]) in faces.iter().zip(&resolutions.faces[first..]) {
             let squares = if face.is_triangle() { 0.5 } else { 1.0 };
             extent.area += f64::from(face.area);
-            extent.cells += squares * 4f64.powi(exponent.into());
+            extent.cells += squares * f64::from(r + s).exp2();
             for &vertex in &face.vertices[..face.count()] {
                 extent.low = extent.low.min(canvas.positions[vertex as usize]);
                 extent.high = extent.high.max(canvas.positions[vertex as usize]);

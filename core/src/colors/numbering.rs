@@ -2,9 +2,9 @@
 
 use glam::Vec4;
 
-use crate::mesh::CanvasMesh;
+use crate::mesh::{CanvasFace, CanvasMesh};
 
-use super::{ChannelTopology, Resolutions, SamplePlace, exponent_at};
+use super::{ChannelTopology, Resolutions, SamplePlace, Shape, exponent_at};
 
 /// A face's view of one grid point: a sample, or a point between two samples of a coarser edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,9 +33,9 @@ pub struct LevelNumbering<'a> {
     pub topology: &'a ChannelTopology,
     pub level: usize,
     /// Exponents at level 0.
-    finest_exponents: Vec<u8>,
-    /// Exponents at this level.
-    face_exponents: Vec<u8>,
+    finest_exponents: Vec<[u8; 2]>,
+    /// Grids at this level.
+    shapes: Vec<Shape>,
     strip_exponents: Vec<u8>,
     strip_first: Vec<u32>,
     face_first: Vec<u32>,
@@ -48,7 +48,11 @@ impl<'a> LevelNumbering<'a> {
         resolutions: &Resolutions,
         level: usize,
     ) -> Self {
-        let face_exponents: Vec<u8> = resolutions.faces.iter().map(|&r| exponent_at(r, level)).collect();
+        let shape = |(face, exponents): (&CanvasFace, &[u8; 2])| Shape {
+            is_triangle: face.is_triangle(),
+            segments: exponents.map(|exponent| 1 << exponent_at(exponent, level)),
+        };
+        let shapes: Vec<Shape> = canvas.faces.iter().zip(&resolutions.faces).map(shape).collect();
         let strip_exponents: Vec<u8> =
             topology.strips.iter().map(|strip| exponent_at(strip.exponent, level)).collect();
         let mut next = topology.fan_count() as u32;
@@ -59,16 +63,14 @@ impl<'a> LevelNumbering<'a> {
         };
         let mut strip_first: Vec<u32> = strip_exponents.iter().map(|&e| take((1 << e) - 1)).collect();
         strip_first.push(take(0));
-        let mut face_first: Vec<u32> = (canvas.faces.iter().zip(&face_exponents))
-            .map(|(face, &e)| take(interior_count(face.is_triangle(), 1 << e)))
-            .collect();
+        let mut face_first: Vec<u32> = shapes.iter().map(|shape| take(shape.interior_count())).collect();
         face_first.push(take(0));
         Self {
             canvas,
             topology,
             level,
             finest_exponents: resolutions.faces.clone(),
-            face_exponents,
+            shapes,
             strip_exponents,
             strip_first,
             face_first,
@@ -124,18 +126,25 @@ impl<'a> LevelNumbering<'a> {
         split(values, &self.face_first)
     }
 
-    /// Segments along a side of the face at this level.
-    pub fn segments(&self, face: usize) -> u32 {
-        1 << self.face_exponents[face]
+    /// The grid of the face at this level.
+    pub fn shape(&self, face: usize) -> Shape {
+        self.shapes[face]
     }
 
     pub fn strip_segments(&self, strip: usize) -> u32 {
         1 << self.strip_exponents[strip]
     }
 
-    /// How many levels ago the face came down to vertex colors, 0 at the level where it does; `None` before.
-    pub fn levels_beyond(&self, face: usize) -> Option<usize> {
-        self.level.checked_sub(usize::from(self.finest_exponents[face]))
+    /// Whether the face has come down to its ends along one axis at least.
+    pub fn is_down(&self, face: usize) -> bool {
+        self.shapes[face].segments.contains(&1)
+    }
+
+    /// The share of a quad, or twice that of a triangle, that a texel of this level is: the area of a square of `2^level` by
+    /// `2^level` of its cells at level 0.
+    pub fn texel_share(&self, face: usize) -> f64 {
+        let [r, s] = self.finest_exponents[face].map(i32::from);
+        f64::from(2 * self.level as i32 - r - s).exp2()
     }
 
     /// Samples inside the strip, low end first; its ends are fans.
@@ -150,8 +159,7 @@ impl<'a> LevelNumbering<'a> {
 
     /// The sample at `(i, j)` strictly inside the face.
     pub fn inner_sample(&self, face: usize, i: u32, j: u32) -> usize {
-        let is_triangle = self.canvas.faces[face].is_triangle();
-        (self.face_first[face] + interior_index(is_triangle, self.segments(face), i, j)) as usize
+        (self.face_first[face] + self.shapes[face].interior_index(i, j)) as usize
     }
 
     /// Sample number `at` of a strip, 0 being the low fan and `strip_segments` the high one.
@@ -168,17 +176,15 @@ impl<'a> LevelNumbering<'a> {
 
     /// The face's view of its grid point `(i, j)`.
     pub fn tap(&self, face: usize, i: u32, j: u32) -> Tap {
-        let canvas_face = &self.canvas.faces[face];
-        let n = self.segments(face);
-        let Some((edge, along)) = on_edge(canvas_face.is_triangle(), n, i, j) else {
-            return Tap::one(self.face_first[face] + interior_index(canvas_face.is_triangle(), n, i, j));
-        };
-        self.edge_tap(face, edge, along)
+        match self.shapes[face].on_edge(i, j) {
+            Some((edge, along)) => self.edge_tap(face, edge, along),
+            None => Tap::one(self.inner_sample(face, i, j) as u32),
+        }
     }
 
-    /// The face's view of point `along` (0 to `segments`, from corner `edge`) on one of its edges.
+    /// The face's view of point `along` (from corner `edge`, 0 to the edge's segments) on one of its edges.
     pub fn edge_tap(&self, face: usize, edge: usize, along: u32) -> Tap {
-        let n = self.segments(face);
+        let n = self.shapes[face].edge_segments(edge);
         let count = self.canvas.faces[face].count();
         // Corners are read off the fan table: on an edge without length both ends differ by fan only.
         if along == 0 || along == n {
@@ -198,20 +204,17 @@ impl<'a> LevelNumbering<'a> {
 
     /// Fills `grid` with the face's values at this level.
     pub fn fill(&self, face: usize, values: &[Vec4], grid: &mut FaceGrid) {
-        let is_triangle = self.canvas.faces[face].is_triangle();
-        let n = self.segments(face);
-        grid.reset(is_triangle, n);
-        let count = self.canvas.faces[face].count();
-        for edge in 0..count {
-            for along in 0..n {
-                let (i, j) = edge_point(is_triangle, n, edge, along);
+        let shape = self.shapes[face];
+        grid.reset(shape);
+        for edge in 0..shape.edge_count() {
+            for along in 0..shape.edge_segments(edge) {
+                let (i, j) = shape.edge_point(edge, along);
                 *grid.at_mut(i, j) = self.edge_tap(face, edge, along).value(values);
             }
         }
         let mut interior = values[self.face_range(face)].iter();
-        for j in 1..n {
-            let end = if is_triangle { n - j } else { n };
-            for (i, value) in (1..end).zip(&mut interior) {
+        for j in shape.inner_rows() {
+            for (i, value) in (1..shape.cell_count(j)).zip(&mut interior) {
                 *grid.at_mut(i, j) = *value;
             }
         }
@@ -232,88 +235,41 @@ fn split<'v>(mut rest: &'v mut [Vec4], first: &[u32]) -> Vec<(usize, &'v mut [Ve
 /// All values of one face at one level, `(i, j)` as in the module's doc.
 #[derive(Clone, Debug, Default)]
 pub struct FaceGrid {
-    pub segments: u32,
-    pub is_triangle: bool,
+    pub shape: Shape,
     values: Vec<Vec4>,
 }
 
 impl FaceGrid {
-    pub fn reset(&mut self, is_triangle: bool, segments: u32) {
-        self.segments = segments;
-        self.is_triangle = is_triangle;
-        let side = segments as usize + 1;
+    pub fn reset(&mut self, shape: Shape) {
+        self.shape = shape;
+        let [columns, rows] = shape.segments.map(|segments| segments as usize + 1);
         self.values.clear();
-        self.values.resize(side * side, Vec4::ZERO);
+        self.values.resize(columns * rows, Vec4::ZERO);
     }
 
     pub fn at(&self, i: u32, j: u32) -> Vec4 {
-        self.values[(j * (self.segments + 1) + i) as usize]
+        self.values[(j * (self.shape.segments[0] + 1) + i) as usize]
     }
 
     pub fn at_mut(&mut self, i: u32, j: u32) -> &mut Vec4 {
-        &mut self.values[(j * (self.segments + 1) + i) as usize]
+        &mut self.values[(j * (self.shape.segments[0] + 1) + i) as usize]
     }
 
     /// Interpolated alpha at `(x, y)` in segments, inside the face: bilinear in a quad's cells, linear in a
     /// triangle's.
     pub fn alpha(&self, x: f32, y: f32) -> f32 {
-        let last = self.segments - 1;
-        let (i, j) = ((x as u32).min(last), (y as u32).min(last));
+        let [i_last, j_last] = self.shape.segments.map(|segments| segments - 1);
+        let (i, j) = ((x as u32).min(i_last), (y as u32).min(j_last));
         let (x, y) = (x - i as f32, y - j as f32);
         let corner = |di: u32, dj: u32| self.at(i + di, j + dj).w;
-        if self.is_triangle && x + y <= 1.0 {
+        if self.shape.is_triangle && x + y <= 1.0 {
             corner(0, 0) * (1.0 - x - y) + corner(1, 0) * x + corner(0, 1) * y
-        } else if self.is_triangle {
+        } else if self.shape.is_triangle {
             corner(1, 1) * (x + y - 1.0) + corner(0, 1) * (1.0 - x) + corner(1, 0) * (1.0 - y)
         } else {
             let low = corner(0, 0) * (1.0 - x) + corner(1, 0) * x;
             let high = corner(0, 1) * (1.0 - x) + corner(1, 1) * x;
             low * (1.0 - y) + high * y
         }
-    }
-}
-
-/// Samples inside a face of `n` segments a side (MC equation 3).
-fn interior_count(is_triangle: bool, n: u32) -> u32 {
-    let inner = n - 1;
-    if is_triangle { inner * inner.saturating_sub(1) / 2 } else { inner * inner }
-}
-
-fn interior_index(is_triangle: bool, n: u32, i: u32, j: u32) -> u32 {
-    let before = if is_triangle { (j - 1) * (n - 1) - (j - 1) * j / 2 } else { (j - 1) * (n - 1) };
-    before + i - 1
-}
-
-/// The edge that a grid point lies on, and its distance from the edge's first corner.
-fn on_edge(is_triangle: bool, n: u32, i: u32, j: u32) -> Option<(usize, u32)> {
-    if j == 0 {
-        Some((0, i))
-    } else if is_triangle {
-        if i + j == n {
-            Some((1, j))
-        } else if i == 0 {
-            Some((2, n - j))
-        } else {
-            None
-        }
-    } else if i == n {
-        Some((1, j))
-    } else if j == n {
-        Some((2, n - i))
-    } else if i == 0 {
-        Some((3, n - j))
-    } else {
-        None
-    }
-}
-
-/// The grid point at distance `along` from the first corner of an edge.
-pub fn edge_point(is_triangle: bool, n: u32, edge: usize, along: u32) -> (u32, u32) {
-    match (is_triangle, edge) {
-        (_, 0) => (along, 0),
-        (true, 1) => (n - along, along),
-        (false, 1) => (n, along),
-        (false, 2) => (n - along, n),
-        _ => (0, n - along),
     }
 }

@@ -1,8 +1,7 @@
 use glam::{Vec3, Vec4};
 
 use super::{
-    ChannelTopology, Cuts, FaceGrid, LEVEL_MAX, LevelNumbering, Resolutions, SampleAreas, edge_point,
-    level_count,
+    ChannelTopology, Cuts, FaceGrid, LEVEL_MAX, LevelNumbering, Resolutions, SampleAreas, level_count,
 };
 use crate::mesh::{CanvasMesh, Polygons, build};
 
@@ -23,17 +22,16 @@ fn two_triangles_and_a_quad() -> CanvasMesh {
 #[test]
 fn numbers_are_dense_and_shared() {
     let canvas = two_triangles_and_a_quad();
-    let resolutions = Resolutions { faces: vec![2, 3, 1] };
+    let resolutions = Resolutions { faces: vec![[2, 2], [3, 3], [1, 3]] };
     let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
     assert_eq!(topology.fan_count(), 6);
     for level in 0..5 {
         let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, level);
         let mut seen = vec![false; numbering.sample_count()];
         for face in 0..canvas.faces.len() {
-            let n = numbering.segments(face);
-            for j in 0..=n {
-                let end = if canvas.faces[face].is_triangle() { n - j } else { n };
-                for i in 0..=end {
+            let shape = numbering.shape(face);
+            for j in 0..=shape.segments[1] {
+                for i in 0..shape.point_count(j) {
                     for sample in numbering.tap(face, i, j).samples {
                         seen[sample as usize] = true;
                     }
@@ -48,26 +46,26 @@ fn numbers_are_dense_and_shared() {
 #[test]
 fn areas_are_what_faces_spread_over_their_samples() {
     let canvas = two_triangles_and_a_quad();
-    let resolutions = Resolutions { faces: vec![2, 4, 1] };
+    let resolutions = Resolutions { faces: vec![[2, 2], [4, 4], [3, 1]] };
     let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
     for level in 0..5 {
         let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, level);
         let mut expected = vec![0.0; numbering.sample_count()];
         for (face, canvas_face) in canvas.faces.iter().enumerate() {
-            let (n, is_triangle) = (numbering.segments(face), canvas_face.is_triangle());
-            let cells = if is_triangle { n * n } else { 2 * n * n } as f32 * 0.5;
-            for (i, j) in (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j))) {
-                let corners = [(0, 0), (n, 0), (n, n), (0, n)];
+            let (shape, is_triangle) = (numbering.shape(face), canvas_face.is_triangle());
+            let [n, m] = shape.segments;
+            for (i, j) in (0..=m).flat_map(|j| (0..=n).map(move |i| (i, j))) {
+                let corners = [(0, 0), (n, 0), (n, m), (0, m)];
                 let share = match (is_triangle, corners.contains(&(i, j))) {
                     (true, _) if i + j > n => continue,
                     (true, true) => 1.0 / 6.0,
                     (true, false) if i == 0 || j == 0 || i + j == n => 0.5,
                     (false, true) => 0.25,
-                    (false, false) if i == 0 || j == 0 || i == n || j == n => 0.5,
+                    (false, false) if i == 0 || j == 0 || i == n || j == m => 0.5,
                     _ => 1.0,
                 };
                 let tap = numbering.tap(face, i, j);
-                let area = share * canvas_face.area / cells;
+                let area = share * canvas_face.area / shape.square_count();
                 expected[tap.samples[0] as usize] += area * (1.0 - tap.second);
                 expected[tap.samples[1] as usize] += area * tap.second;
             }
@@ -86,7 +84,7 @@ fn areas_are_what_faces_spread_over_their_samples() {
 #[test]
 fn a_finer_face_interpolates_the_coarser_edge() {
     let canvas = two_triangles_and_a_quad();
-    let resolutions = Resolutions { faces: vec![1, 3, 1] };
+    let resolutions = Resolutions::uniform(vec![1, 3, 1]);
     let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
     let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
     // Edge 2 of face 1 and edge 1 of face 0 are the same edge, between vertices 1 and 2.
@@ -103,7 +101,7 @@ fn a_finer_face_interpolates_the_coarser_edge() {
 #[test]
 fn a_cut_parts_the_strip_and_what_only_it_connects() {
     let canvas = two_triangles_and_a_quad();
-    let resolutions = Resolutions { faces: vec![1, 1, 1] };
+    let resolutions = Resolutions::uniform(vec![1, 1, 1]);
     let mut cuts = Cuts::none(&canvas);
     let shared = canvas.edges.iter().position(|edge| edge.vertices == [1, 2]).unwrap();
     cuts.edges[shared] = true;
@@ -117,22 +115,20 @@ fn a_cut_parts_the_strip_and_what_only_it_connects() {
 #[test]
 fn filling_a_grid_agrees_with_its_taps() {
     let canvas = two_triangles_and_a_quad();
-    let resolutions = Resolutions { faces: vec![2, 3, 2] };
+    let resolutions = Resolutions { faces: vec![[2, 2], [3, 3], [1, 4]] };
     let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
     let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
     let values: Vec<Vec4> = (0..numbering.sample_count()).map(|k| Vec4::splat(k as f32)).collect();
     let mut grid = FaceGrid::default();
     for (face, canvas_face) in canvas.faces.iter().enumerate() {
         numbering.fill(face, &values, &mut grid);
-        let n = grid.segments;
-        for j in 0..=n {
-            let end = if grid.is_triangle { n - j } else { n };
-            for i in 0..=end {
+        for j in 0..=grid.shape.segments[1] {
+            for i in 0..grid.shape.point_count(j) {
                 assert_eq!(grid.at(i, j), numbering.tap(face, i, j).value(&values));
             }
         }
         for edge in 0..canvas_face.count() {
-            let (i, j) = edge_point(grid.is_triangle, n, edge, 1);
+            let (i, j) = grid.shape.edge_point(edge, 1);
             assert_eq!(grid.at(i, j), numbering.edge_tap(face, edge, 1).value(&values));
         }
     }
@@ -151,7 +147,7 @@ fn levels_go_on_to_where_everything_is_one_texel() {
             faces: &mut [([0, 1, 2, 3], 4)].into_iter(),
         }])
     };
-    let count = |corner: Vec3, exponent| level_count(&square(corner), &Resolutions { faces: vec![exponent] });
+    let count = |corner: Vec3, exponent| level_count(&square(corner), &Resolutions::uniform(vec![exponent]));
     for exponent in 0..=12 {
         // A diagonal of sqrt(2) 2^r cells is under one texel from level r + 1 on.
         assert_eq!(count(Vec3::ONE, exponent), usize::from(exponent) + 2);
@@ -160,7 +156,7 @@ fn levels_go_on_to_where_everything_is_one_texel() {
     assert_eq!(count(Vec3::new(4096.0, 1.0, 0.0), 0), 6 + 2, "64 cells of a mean size in a row");
     assert_eq!(count(Vec3::new(1e18, 1e-6, 0.0), 3), LEVEL_MAX + 1);
     assert_eq!(count(Vec3::X, 3), 4, "no area: down to vertex colors");
-    assert_eq!(level_count(&CanvasMesh::default(), &Resolutions { faces: vec![] }), 1);
+    assert_eq!(level_count(&CanvasMesh::default(), &Resolutions::uniform(vec![])), 1);
 }
 
 /// Meshes have spaces of their own: that one lies far from another makes neither larger.
@@ -176,7 +172,7 @@ fn each_mesh_is_measured_by_itself() {
             Polygons { mesh: meshes[1], primitive: 1, positions: &far, faces: second },
         ])
     };
-    let count = |meshes| level_count(&polygons(meshes), &Resolutions { faces: vec![2, 2] });
+    let count = |meshes| level_count(&polygons(meshes), &Resolutions::uniform(vec![2, 2]));
     assert_eq!(count([0, 1]), 4);
     assert_eq!(count([0, 0]), 17);
 }

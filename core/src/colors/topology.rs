@@ -24,7 +24,7 @@ pub struct ChannelTopology {
 /// The samples along one edge, from its low end to its high end.
 #[derive(Clone, Copy, Debug)]
 pub struct Strip {
-    /// The smallest exponent of its faces (MCT 3.2).
+    /// The smallest exponent that its faces have along it (MCT 3.2).
     pub exponent: u8,
     /// Fans at the low and the high end.
     pub fans: [u32; 2],
@@ -42,7 +42,8 @@ impl ChannelTopology {
             let sides = canvas.sides(edge);
             let group_size = if cuts.edges[number] { 1 } else { sides.len() };
             for group in sides.chunks(group_size) {
-                let exponents = group.iter().map(|side| resolutions.faces[side.face as usize]);
+                let exponents =
+                    group.iter().map(|side| resolutions.along(side.face as usize, side.edge.into()));
                 let fan_at = |end| {
                     let corner = canvas.corner_at_end(group[0], end);
                     fan_of[group[0].face as usize][corner]

@@ -5,15 +5,22 @@
 mod coordinates;
 mod cuts;
 mod ranges;
+mod table;
 mod textures;
+
+use std::collections::BTreeMap;
 
 use crate::asset::{Asset, Slot};
 use crate::error::{Error, Result};
 
-use super::{Finished, FinishedPrimitive, FinishedTexture, Frame};
+use super::{Coordinates, Finished, FinishedPrimitive, FinishedTexture, Frame};
 
 /// The glTF extension that a converted file uses (never requires).
 pub const EXTENSION: &str = "MCT_mesh_color_texture";
+/// Vertex attribute of indexed coordinates: number of the block, and its class.
+pub const BLOCK_ATTRIBUTE: &str = "_MCT_BLOCK";
+/// Vertex attribute of indexed coordinates: place in the block, in faces.
+pub const LOCAL_ATTRIBUTE: &str = "_MCT_LOCAL";
 /// Vertex attribute with `u_s`.
 pub const SCALED_ATTRIBUTE: &str = "_MCT_SCALED";
 /// Vertex attribute with `u_δ`.
@@ -24,14 +31,16 @@ pub const OFFSET_ATTRIBUTE: &str = "_MCT_OFFSET";
 ///
 /// # Errors
 /// `InvalidModel` with the place and the rule where the file contradicts itself: levels that are no
-/// images, sizes that differ among one material's textures, ranges that do not fit their images, attributes that are missing or of another
-/// type, an offset that varies over a triangle, cuts that are not one byte for each triangle.
+/// images, sizes that differ among one material's textures, ranges that do not fit their images, attributes that
+/// are missing or of another type, an offset or block that varies over a triangle, what
+/// [`Finished::check_coordinates`] refuses, cuts that are not one byte for each triangle.
 pub fn extract(asset: &Asset) -> Result<Option<Finished>> {
     let textures = textures::of(asset)?;
     if textures.is_empty() {
         return Ok(None);
     }
     let mut primitives = Vec::new();
+    let mut known = BTreeMap::new();
     for (mesh, source) in asset.meshes.iter().enumerate() {
         for (primitive, source) in source.primitives.iter().enumerate() {
             let own = |texture: &&FinishedTexture| Some(texture.material) == source.material;
@@ -42,18 +51,32 @@ pub fn extract(asset: &Asset) -> Result<Option<Finished>> {
             }
             let has_normal_map = textures_here.any(|texture| texture.slots.contains(&Slot::Normal));
             let place = Place { asset, mesh, primitive };
-            let triangles = coordinates::triangles(&place)?;
+            let (coordinates, triangles) = coordinates::of(&place)?;
+            let coordinates = shared(&mut known, material, coordinates);
             primitives.push(FinishedPrimitive {
                 mesh,
                 primitive,
                 material,
+                coordinates,
                 frames: if has_normal_map { coordinates::frames(&place, &triangles)? } else { Vec::new() },
                 cuts: cuts::of(&place, material, &textures, triangles.len())?,
                 triangles,
             });
         }
     }
-    Ok(Some(Finished { textures, primitives }))
+    let finished = Finished { textures, primitives };
+    finished.check_coordinates()?;
+    Ok(Some(finished))
+}
+
+/// The material's table, held once where its primitives have the same.
+fn shared(
+    known: &mut BTreeMap<usize, Coordinates>,
+    material: usize,
+    coordinates: Coordinates,
+) -> Coordinates {
+    let first = known.entry(material).or_insert_with(|| coordinates.clone());
+    if *first == coordinates { first.clone() } else { coordinates }
 }
 
 /// A primitive of a converted file.

@@ -1,13 +1,18 @@
-//! What a conversion ends in: level images and 4D coordinates. `write` stores it, `measure` judges it,
+//! What a conversion ends in: level images and coordinates. `write` stores it, `measure` judges it,
 //! a preview draws it; reading a converted file gives it back. Nothing here remembers how it was made.
 
+mod check;
+mod coordinates;
 mod extract;
+#[cfg(test)]
+pub mod hand_made;
 
-pub use extract::{EXTENSION, OFFSET_ATTRIBUTE, SCALED_ATTRIBUTE, extract};
+pub use coordinates::{Anchor, BlockClass, BlockTable, Coordinates, LevelMap, TableLevel};
+pub use extract::{BLOCK_ATTRIBUTE, EXTENSION, LOCAL_ATTRIBUTE, OFFSET_ATTRIBUTE, SCALED_ATTRIBUTE, extract};
 
 use std::collections::BTreeMap;
 
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 
 use crate::asset::Slot;
 use crate::image::{Image, LevelRange, Transfer};
@@ -49,6 +54,8 @@ pub struct FinishedPrimitive {
     pub mesh: usize,
     pub primitive: usize,
     pub material: usize,
+    /// How `triangles` name texels.
+    pub coordinates: Coordinates,
     pub triangles: Vec<FinishedTriangle>,
     /// The frame of each corner of each triangle, as a viewer interpolates it; where the material has a
     /// normal map (empty otherwise).
@@ -56,29 +63,15 @@ pub struct FinishedPrimitive {
     pub cuts: Vec<PrimitiveCuts>,
 }
 
-/// A drawn triangle and where it stands in the level images: at a corner,
-/// `u_level = scaled / 2^level + offset`, in texels with centers at `.5` (MCT equation 2).
+/// A drawn triangle and where it stands in the level images, see [`Coordinates`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinishedTriangle {
     /// Vertices of the asset's primitive.
     pub vertices: [u32; 3],
-    /// `u_s`, texels of level 0.
-    pub scaled: [Vec2; 3],
-    /// `u_δ`, texels of every level.
-    pub offset: Vec2,
-}
-
-impl FinishedTriangle {
-    /// Corner `corner`'s place in the image of `level`, in texels.
-    pub fn place(&self, corner: usize, level: usize) -> Vec2 {
-        self.scaled[corner] / (level as f32).exp2() + self.offset
-    }
-
-    /// The place of barycentrics `at` (one weight for each corner, sum 1).
-    pub fn place_at(&self, at: Vec3, level: usize) -> Vec2 {
-        let scaled = self.scaled[0] * at.x + self.scaled[1] * at.y + self.scaled[2] * at.z;
-        scaled / (level as f32).exp2() + self.offset
-    }
+    /// By corner: of 4D coordinates `u_s`, texels of level 0; of indexed ones the place in the block, counted in
+    /// faces.
+    pub corners: [Vec2; 3],
+    pub anchor: Anchor,
 }
 
 /// Which edges of a primitive one texture does not join.

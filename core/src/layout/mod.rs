@@ -1,47 +1,83 @@
-//! Where every face stands in the level images: blocks, their pairing and packing, 4D coordinates.
+//! Where every face stands in the level images: blocks, their packing, coordinates.
 //!
-//! A block is a square of `n + 1` texels for a quad or a merged pair of triangles, or a rectangle of
-//! `n + 4` by `n + 1` for two lone triangles, the second turned by 180° and shifted by three texels: each
-//! of the two needs a line of border texels of its own (MCT 3.1), which the increments of MCT Algorithm 1
-//! leave no room for.
+//! A block is a rectangle of `n + 1` by `m + 1` texels for a quad, its longer side along x, or of `n + 4` by `n + 1` for two lone triangles,
+//! the second turned by 180° and shifted by three texels: each of the two needs a line of border texels of its
+//! own (MCT 3.1), which the increments of MCT Algorithm 1 leave no room for.
+//!
+//! Two kinds of coordinates name a block's place. 4D ones ([`rows`]) shrink all places by the same factor from level to
+//! level; indexed ones ([`grids`]) name a block's number, and every level has grids of its own.
 
-mod pairing;
+mod blocks;
+mod grids;
 mod rows;
 #[cfg(test)]
 mod tests;
 
-use pairing::pair_triangles;
-pub use rows::{LayoutRequest, arrange};
+pub use grids::ClassGrid;
+
+use std::ops::Range;
 
 use glam::{DVec2, Vec2};
 
-/// Texels that a block keeps to the next, at every level: `b` of MCT 3.4, so that footprints stay apart
-/// beyond vertex colors too.
+use crate::colors::{Resolutions, Shape};
+use crate::error::{Error, ErrorCode, Result};
+use crate::mesh::{CanvasFace, CanvasMesh};
+
+/// Texels that a block with 4D coordinates keeps to the next, at every level: `b` of MCT 3.4, so that footprints stay
+/// apart beyond vertex colors too.
 pub const SEPARATION: u32 = 2;
 /// Constant shift of the second lone triangle of a block, in texels of every level.
 pub const TWIN_SHIFT: u32 = 3;
+/// Larger textures than any device takes, and samples are numbered in 32 bits, three to a normal.
+const SIDE_MAX: u32 = 32_768;
+
+/// How a viewer finds a face's texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinates {
+    /// `u_s / 2^level + u_δ` (MCT equation 2). Blocks are squares.
+    Scaled,
+    /// The number of a block in its class, and a table of classes and levels.
+    Indexed,
+}
+
+/// What a layout is made from.
+pub struct LayoutRequest<'a> {
+    pub canvas: &'a CanvasMesh,
+    /// For 4D coordinates the same along both axes of every face.
+    pub resolutions: &'a Resolutions,
+    /// By face: the edge that a lone triangle puts on its diagonal.
+    pub diagonals: &'a [u8],
+    pub level_count: usize,
+    /// Largest side of an image.
+    pub side_limit: u32,
+    pub coordinates: Coordinates,
+}
 
 /// Faces in one block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlockKind {
     Quad(u32),
-    /// Two triangles of one exponent that share the diagonal from (n, 0) to (0, n).
-    Merged([u32; 2]),
     Lone(u32),
     /// Two unrelated triangles of one exponent.
     Twins([u32; 2]),
 }
 
-/// A block at its place: at a level, texel `origin / 2^level + offset`.
+/// A block at its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Block {
     pub kind: BlockKind,
-    /// Segments a side at level 0.
-    pub segments: u32,
-    /// `u_s` of its first texel, a multiple of `segments`.
-    pub origin: [u32; 2],
-    /// `u_δ - 1/2`.
-    pub offset: [u32; 2],
+    /// Of its sides at level 0, along x and y.
+    pub exponents: [u8; 2],
+    pub place: Place,
+}
+
+/// A block's place at all levels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Its first texel at a level is `origin / 2^level + offset`: `u_s`, a multiple of its sides, and `u_δ - 1/2`.
+    Scaled { origin: [u32; 2], offset: [u32; 2] },
+    /// Its class, and its number there.
+    Indexed { class: u32, number: u32 },
 }
 
 /// A face inside its block: corners on the block's unit square.
@@ -54,49 +90,109 @@ pub struct Placement {
     pub shift: u32,
 }
 
+/// Blocks that are laid out in one grid: of equal sides, and of lone triangles or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Class {
+    pub exponents: [u8; 2],
+    pub is_lone: bool,
+    pub block_count: u32,
+}
+
+/// Texel rows of a level that no block crosses the ends of: from `first_row` to the next band.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Band {
+    pub first_row: u32,
+    /// Ranges of [`Layout::blocks`].
+    pub blocks: Vec<Range<usize>>,
+}
+
 /// All faces of one material.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// In packing order, row by row.
+    /// In packing order.
     pub blocks: Vec<Block>,
-    /// First block of each row.
-    pub row_starts: Vec<usize>,
     /// By face.
     pub placements: Vec<Placement>,
     /// Width and height by level, texels.
     pub sizes: Vec<[u32; 2]>,
+    /// By level.
+    pub bands: Vec<Vec<Band>>,
+    /// Of indexed coordinates.
+    pub classes: Vec<Class>,
+    /// Of indexed coordinates, by level and class.
+    pub grids: Vec<Vec<ClassGrid>>,
+}
+
+/// Texels that a face takes at level 0 with what keeps it from the next; a lone triangle half of what two take.
+pub fn block_texels(coordinates: Coordinates, shape: Shape) -> f64 {
+    let spare = match coordinates {
+        Coordinates::Scaled => SEPARATION,
+        Coordinates::Indexed => 1,
+    };
+    let [n, m] = shape.segments.map(|segments| f64::from(segments + spare));
+    if shape.is_triangle { 0.5 * (n + f64::from(TWIN_SHIFT)) * m } else { n * m }
+}
+
+/// Places every face.
+///
+/// # Errors
+/// `TextureTooLarge` where level 0 would exceed the limit.
+pub fn arrange(request: &LayoutRequest<'_>) -> Result<Layout> {
+    let limit = request.side_limit.min(SIDE_MAX);
+    let least_side = least_texels(request).sqrt().ceil() as u64;
+    // Before anything is packed: all that is counted on the way fits into 32 bits then.
+    if least_side > limit.into() {
+        return Err(too_large([least_side; 2], limit));
+    }
+    let layout = match request.coordinates {
+        Coordinates::Scaled => rows::arrange(request),
+        Coordinates::Indexed => grids::arrange(request),
+    };
+    let [width, height] = layout.sizes[0];
+    if width.max(height) <= limit {
+        Ok(layout)
+    } else {
+        Err(too_large([width, height].map(u64::from), limit))
+    }
+}
+
+/// Of all faces, without what is left empty.
+fn least_texels(request: &LayoutRequest<'_>) -> f64 {
+    let faces = request.canvas.faces.iter().zip(&request.resolutions.faces);
+    let shape = |(face, exponents): (&CanvasFace, &[u8; 2])| Shape {
+        is_triangle: face.is_triangle(),
+        segments: exponents.map(|exponent| 1 << exponent),
+    };
+    faces.map(|face| block_texels(request.coordinates, shape(face))).sum()
+}
+
+fn too_large([width, height]: [u64; 2], limit: u32) -> Error {
+    let detail = format!(
+        "the layout needs {width} x {height} texels, more than the {limit} a side that is allowed; ask for less with \
+         --resolution (area:F with a smaller F, or fixed:R with a smaller R) or with --texels",
+    );
+    Error::new(ErrorCode::TextureTooLarge, detail).limit(limit.into(), width.max(height))
 }
 
 impl BlockKind {
-    /// Its faces, the second missing where there is one.
-    pub fn faces(self) -> (u32, Option<u32>) {
+    /// The first of its faces, by which blocks have an order.
+    fn first(self) -> u32 {
         match self {
-            BlockKind::Quad(face) | BlockKind::Lone(face) => (face, None),
-            BlockKind::Merged([first, second]) | BlockKind::Twins([first, second]) => (first, Some(second)),
+            BlockKind::Quad(face) | BlockKind::Lone(face) | BlockKind::Twins([face, _]) => face,
         }
     }
 
-    /// Whether its triangles have nothing to do with each other.
+    pub fn faces(self) -> impl Iterator<Item = usize> {
+        let (first, second) = match self {
+            BlockKind::Quad(face) | BlockKind::Lone(face) => (face, None),
+            BlockKind::Twins([first, second]) => (first, Some(second)),
+        };
+        std::iter::once(first).chain(second).map(|face| face as usize)
+    }
+
+    /// Whether it holds triangles that have nothing to do with each other.
     pub fn is_lone(self) -> bool {
         matches!(self, BlockKind::Lone(_) | BlockKind::Twins(_))
-    }
-
-    /// What is one small place between texels beyond vertex colors: all of a quad or pair, each lone triangle by
-    /// itself. The first face is always there.
-    pub fn cells(self) -> impl Iterator<Item = [Option<u32>; 2]> {
-        let (first, second) = self.faces();
-        let (one, other) =
-            if self.is_lone() { ([Some(first), None], second) } else { ([Some(first), second], None) };
-        std::iter::once(one).chain(other.map(|face| [Some(face), None]))
-    }
-
-    /// Extra columns beyond `n + 1`.
-    fn extra_columns(self) -> u32 {
-        match self {
-            BlockKind::Quad(_) | BlockKind::Merged(_) => 0,
-            BlockKind::Lone(_) => 0,
-            BlockKind::Twins(_) => TWIN_SHIFT,
-        }
     }
 }
 
@@ -105,59 +201,91 @@ impl Layout {
         self.sizes.len()
     }
 
-    /// The blocks of each row.
-    pub fn rows(&self) -> impl Iterator<Item = &[Block]> {
-        let ends = self.row_starts.iter().skip(1).copied().chain([self.blocks.len()]);
-        self.row_starts.iter().zip(ends).map(|(&start, end)| &self.blocks[start..end])
-    }
-
     /// The block that a face has a part in.
     pub fn block(&self, face: usize) -> &Block {
         &self.blocks[self.placements[face].block as usize]
     }
 
-    /// `u_s` of a face's corner.
-    pub fn scaled(&self, face: usize, corner: usize) -> Vec2 {
-        let block = self.block(face);
-        let unit = self.placements[face].corners[corner];
-        let axis = |k: usize| (block.origin[k] + u32::from(unit[k]) * block.segments) as f32;
-        Vec2::new(axis(0), axis(1))
+    /// Whether a block's corners stand between texels at a level, so that its texels are extrapolated.
+    pub fn is_beyond(&self, block: &Block, level: usize) -> bool {
+        matches!(block.place, Place::Scaled { .. }) && usize::from(block.exponents[1]) < level
     }
 
-    /// `u_δ` of a face.
-    pub fn offset(&self, face: usize) -> Vec2 {
-        let block = self.block(face);
-        let shift = self.placements[face].shift;
-        Vec2::new((block.offset[0] + shift) as f32 + 0.5, block.offset[1] as f32 + 0.5)
-    }
-}
-
-impl Block {
-    /// Whether the block is beyond vertex colors at a level.
-    pub fn is_beyond(&self, level: usize) -> bool {
-        self.segments >> level == 0
-    }
-
-    /// First texel at a level up to vertex colors of the block.
-    pub fn texel(&self, level: usize) -> [u32; 2] {
-        [0, 1].map(|k| (self.origin[k] >> level) + self.offset[k])
+    /// First texel of a block that is not beyond vertex colors.
+    pub fn first_texel(&self, block: &Block, level: usize) -> [u32; 2] {
+        match block.place {
+            Place::Scaled { origin, offset } => [0, 1].map(|k| (origin[k] >> level) + offset[k]),
+            Place::Indexed { class, number } => {
+                let class_grid = &self.grids[level][class as usize];
+                class_grid.first_texel(&self.classes[class as usize], level, number)
+            }
+        }
     }
 
     /// The block's first corner at any level in texels from the center of texel 0; exact.
-    pub fn corner(&self, level: usize) -> DVec2 {
-        let scale = (-(level as f64)).exp2();
-        let axis = |k: usize| f64::from(self.origin[k]) * scale + f64::from(self.offset[k]);
-        DVec2::new(axis(0), axis(1))
+    pub fn first_corner(&self, block: &Block, level: usize) -> DVec2 {
+        match block.place {
+            Place::Scaled { origin, offset } => {
+                let scale = (-(level as f64)).exp2();
+                let axis = |k: usize| f64::from(origin[k]) * scale + f64::from(offset[k]);
+                DVec2::new(axis(0), axis(1))
+            }
+            Place::Indexed { .. } => {
+                let [x, y] = self.first_texel(block, level);
+                DVec2::new(x.into(), y.into())
+            }
+        }
     }
 
-    /// One past the last texel that the block may touch at a level.
-    pub fn end(&self, level: usize) -> [u32; 2] {
-        let extra = [self.kind.extra_columns(), 0];
-        [0, 1].map(|k| {
-            let last = (self.origin[k] + self.segments) >> level;
-            // Beyond vertex colors the corner lies between texels, or on one with a spare texel beside it.
-            let spare = u32::from(self.is_beyond(level));
-            last + self.offset[k] + extra[k] + spare + 1
-        })
+    /// What a corner's coordinates say: of 4D ones `u_s` in texels, of indexed ones 0 or 1 along the block's sides.
+    pub fn corner(&self, face: usize, corner: usize) -> Vec2 {
+        let block = self.block(face);
+        let unit = self.placements[face].corners[corner];
+        let axis = |k: usize| match block.place {
+            Place::Scaled { origin, .. } => (origin[k] + (u32::from(unit[k]) << block.exponents[k])) as f32,
+            Place::Indexed { .. } => unit[k].into(),
+        };
+        Vec2::new(axis(0), axis(1))
+    }
+
+    /// `u_δ` of a face with 4D coordinates.
+    pub fn offset(&self, face: usize) -> Vec2 {
+        let shift = Vec2::new(self.placements[face].shift as f32 + 0.5, 0.5);
+        match self.block(face).place {
+            Place::Scaled { offset: [x, y], .. } => shift + Vec2::new(x as f32, y as f32),
+            Place::Indexed { .. } => shift,
+        }
+    }
+
+    /// A face's corner at a level in texels, texel centers being at `.5`.
+    pub fn place(&self, face: usize, corner: usize, level: usize) -> Vec2 {
+        let block = self.block(face);
+        let placement = &self.placements[face];
+        let first = self.first_corner(block, level) + DVec2::new(placement.shift.into(), 0.0) + 0.5;
+        let [x, y] = placement.corners[corner].map(f64::from);
+        let side = |k: usize| {
+            let exponent = f64::from(block.exponents[k]) - level as f64;
+            if matches!(block.place, Place::Indexed { .. }) {
+                exponent.max(0.0).exp2()
+            } else {
+                exponent.exp2()
+            }
+        };
+        (first + DVec2::new(x * side(0), y * side(1))).as_vec2()
+    }
+}
+
+#[cfg(test)]
+impl Layout {
+    /// One past the last texel that a block may touch at a level.
+    fn block_end(&self, block: &Block, level: usize) -> [u32; 2] {
+        match block.place {
+            Place::Scaled { .. } => rows::end(block, level),
+            Place::Indexed { class, .. } => {
+                let [x, y] = self.first_texel(block, level);
+                let [width, height] = self.classes[class as usize].footprint(level);
+                [x + width, y + height]
+            }
+        }
     }
 }

@@ -1,41 +1,18 @@
-//! The rows layout (MCT Algorithm 1): blocks from large to small, in rows from left to right.
+//! The rows layout (MCT Algorithm 1) for 4D coordinates: blocks from large to small, in rows from left to right.
 
-use crate::colors::Resolutions;
-use crate::error::{Error, ErrorCode, Result};
-use crate::mesh::CanvasMesh;
+use super::blocks::{blocks, placements};
+use super::{Band, Block, BlockKind, Layout, LayoutRequest, Place, SEPARATION, SIDE_MAX, TWIN_SHIFT};
 
-use super::{Block, BlockKind, Layout, Placement, SEPARATION, TWIN_SHIFT, pair_triangles};
-
-/// Larger textures than any device takes, and samples are numbered in 32 bits, three to a normal.
-const SIDE_MAX: u32 = 32_768;
-
-/// What a layout is made from.
-pub struct LayoutRequest<'a> {
-    pub canvas: &'a CanvasMesh,
-    pub resolutions: &'a Resolutions,
-    /// By canvas edge: whether its two triangles may become one quad.
-    pub mergeable: &'a [bool],
-    /// By face: the edge that a lone triangle puts on its diagonal.
-    pub diagonals: &'a [u8],
-    pub level_count: usize,
-    /// Largest side of an image.
-    pub side_limit: u32,
-}
-
-/// Places every face.
-///
-/// # Errors
-/// `TextureTooLarge` where level 0 would exceed the limit.
-pub fn arrange(request: &LayoutRequest<'_>) -> Result<Layout> {
-    let mut blocks = blocks(request);
+/// Places every face, within the largest side where that can be.
+pub(super) fn arrange(request: &LayoutRequest<'_>) -> Layout {
+    let mut blocks = blocks(request, Place::Scaled { origin: [0; 2], offset: [0; 2] });
     // Large to small; within a size the wide ones first, then by face, so that the order is total.
     blocks.sort_by_key(|block| {
-        let (first, _) = block.kind.faces();
-        (std::cmp::Reverse((block.segments, block.kind.extra_columns())), first)
+        (std::cmp::Reverse((block.exponents[0], extra_columns(block.kind))), block.kind.first())
     });
     let side_limit = request.side_limit.min(SIDE_MAX);
     let size_at = |blocks: &[Block], level: usize| {
-        let ends = blocks.iter().map(|block| block.end(level));
+        let ends = blocks.iter().map(|block| end(block, level));
         ends.fold([1, 1], |size, end| [size[0].max(end[0]), size[1].max(end[1])])
     };
     let square = square_width(&blocks);
@@ -44,58 +21,65 @@ pub fn arrange(request: &LayoutRequest<'_>) -> Result<Layout> {
         // Rows that leave much empty make a square too high; wider ones may fit.
         row_starts = pack(&mut blocks, side_limit);
     }
-    check_size(size_at(&blocks, 0), side_limit)?;
-    let sizes: Vec<[u32; 2]> = (0..request.level_count).map(|level| size_at(&blocks, level)).collect();
+    let levels = 0..request.level_count;
+    let sizes: Vec<[u32; 2]> = levels.clone().map(|level| size_at(&blocks, level)).collect();
+    let bands = levels.map(|level| bands(&blocks, &row_starts, level)).collect();
     let placements = placements(request, &blocks);
-    Ok(Layout { blocks, row_starts, placements, sizes })
+    Layout { blocks, placements, sizes, bands, ..Layout::default() }
 }
 
-fn check_size(size: [u32; 2], limit: u32) -> Result<()> {
-    let side = size[0].max(size[1]);
-    if side <= limit {
-        return Ok(());
+/// Extra columns beyond `n + 1`.
+fn extra_columns(kind: BlockKind) -> u32 {
+    match kind {
+        BlockKind::Quad(_) | BlockKind::Lone(_) => 0,
+        BlockKind::Twins(_) => TWIN_SHIFT,
     }
-    let detail = format!(
-        "the layout needs {} x {} texels, more than the {limit} a side that is allowed; \
-         ask for less with --resolution (area:F with a smaller F, or fixed:R with a smaller R)",
-        size[0], size[1]
-    );
-    Err(Error::new(ErrorCode::TextureTooLarge, detail).limit(limit.into(), side.into()))
 }
 
-fn blocks(request: &LayoutRequest<'_>) -> Vec<Block> {
-    let LayoutRequest { canvas, resolutions, .. } = request;
-    let partners = pair_triangles(canvas, resolutions, request.mergeable);
-    let block = |kind, exponent: u8| Block { kind, segments: 1 << exponent, origin: [0; 2], offset: [0; 2] };
-    let mut blocks = Vec::new();
-    let mut waiting: [Option<u32>; 32] = [None; 32];
-    for (face, canvas_face) in (0u32..).zip(&canvas.faces) {
-        let exponent = resolutions.faces[face as usize];
-        match partners[face as usize] {
-            _ if !canvas_face.is_triangle() => blocks.push(block(BlockKind::Quad(face), exponent)),
-            Some(other) if face < other => blocks.push(block(BlockKind::Merged([face, other]), exponent)),
-            Some(_) => {}
-            None => match waiting[usize::from(exponent)].take() {
-                Some(first) => blocks.push(block(BlockKind::Twins([first, face]), exponent)),
-                None => waiting[usize::from(exponent)] = Some(face),
-            },
-        }
+/// Segments along a side.
+fn segments(block: &Block) -> u32 {
+    1 << block.exponents[0]
+}
+
+fn origin_offset(block: &Block) -> [[u32; 2]; 2] {
+    match block.place {
+        Place::Scaled { origin, offset } => [origin, offset],
+        Place::Indexed { .. } => [[0; 2]; 2],
     }
-    let left = (0u8..).zip(waiting).filter_map(|(exponent, face)| face.map(|face| (exponent, face)));
-    blocks.extend(left.map(|(exponent, face)| block(BlockKind::Lone(face), exponent)));
-    blocks
+}
+
+/// One past the last texel that the block may touch at a level.
+pub(super) fn end(block: &Block, level: usize) -> [u32; 2] {
+    let extra = [extra_columns(block.kind), 0];
+    let [origin, offset] = origin_offset(block);
+    [0, 1].map(|k| {
+        let last = (origin[k] + segments(block)) >> level;
+        // Beyond vertex colors the corner lies between texels, or on one with a spare texel beside it.
+        let spare = u32::from(segments(block) >> level == 0);
+        last + offset[k] + extra[k] + spare + 1
+    })
+}
+
+/// Each row of blocks is a band.
+fn bands(blocks: &[Block], row_starts: &[usize], level: usize) -> Vec<Band> {
+    let ends = row_starts.iter().skip(1).copied().chain([blocks.len()]);
+    let band = |(&start, end): (&usize, usize)| {
+        let [origin, offset] = origin_offset(&blocks[start]);
+        Band { first_row: (origin[1] >> level) + offset[1], blocks: std::iter::once(start..end).collect() }
+    };
+    row_starts.iter().zip(ends).map(band).collect()
 }
 
 /// The side of a square that holds all blocks with their separation.
 fn square_width(blocks: &[Block]) -> u32 {
     let padded = |block: &Block| {
-        let side = u64::from(block.segments + SEPARATION);
-        side * (side + u64::from(block.kind.extra_columns()))
+        let side = u64::from(segments(block) + SEPARATION);
+        side * (side + u64::from(extra_columns(block.kind)))
     };
     (blocks.iter().map(padded).sum::<u64>() as f64).sqrt().ceil() as u32
 }
 
-/// Gives sorted blocks their origins and offsets; returns the first block of each row.
+/// Gives sorted blocks their places; returns the first block of each row.
 ///
 /// Along a row `u_s` starts where the block before ends and `u_δ` grows by the separation, so blocks stay
 /// apart at every level; sides are powers of two from large to small, so `u_s` is always a multiple of the
@@ -106,74 +90,18 @@ fn pack(blocks: &mut [Block], target_width: u32) -> Vec<usize> {
     let mut offset = [0u32; 2];
     let mut row_segments = 0;
     for (number, block) in blocks.iter_mut().enumerate() {
-        let width = block.segments + block.kind.extra_columns() + 1;
+        let width = segments(block) + extra_columns(block.kind) + 1;
         if number == 0 || origin[0] + offset[0] + width > target_width && offset[0] > 0 {
             if number > 0 {
                 origin = [0, origin[1] + row_segments];
                 offset = [0, offset[1] + SEPARATION];
             }
-            row_segments = block.segments;
+            row_segments = segments(block);
             row_starts.push(number);
         }
-        block.origin = origin;
-        block.offset = offset;
-        origin[0] += block.segments;
-        offset[0] += SEPARATION + block.kind.extra_columns();
+        block.place = Place::Scaled { origin, offset };
+        origin[0] += segments(block);
+        offset[0] += SEPARATION + extra_columns(block.kind);
     }
     row_starts
-}
-
-fn placements(request: &LayoutRequest<'_>, blocks: &[Block]) -> Vec<Placement> {
-    let mut placements = vec![Placement::default(); request.canvas.faces.len()];
-    for (number, block) in (0u32..).zip(blocks) {
-        let mut put = |face: u32, corners, shift| {
-            placements[face as usize] = Placement { block: number, corners, shift };
-        };
-        match block.kind {
-            BlockKind::Quad(face) => put(face, [[0, 0], [1, 0], [1, 1], [0, 1]], 0),
-            BlockKind::Lone(face) => put(face, half(request.diagonals[face as usize]), 0),
-            BlockKind::Twins([first, second]) => {
-                put(first, half(request.diagonals[first as usize]), 0);
-                put(second, turned(half(request.diagonals[second as usize])), TWIN_SHIFT);
-            }
-            BlockKind::Merged([first, second]) => {
-                let (diagonal, other) = merged(request, first, second);
-                put(first, diagonal, 0);
-                put(second, other, 0);
-            }
-        }
-    }
-    placements
-}
-
-/// A triangle on the half square at (0, 0), with edge `diagonal` on the diagonal.
-fn half(diagonal: u8) -> [[u8; 2]; 4] {
-    let mut corners = [[0; 2]; 4];
-    let first = usize::from(diagonal);
-    corners[first] = [1, 0];
-    corners[(first + 1) % 3] = [0, 1];
-    corners
-}
-
-fn turned(corners: [[u8; 2]; 4]) -> [[u8; 2]; 4] {
-    corners.map(|[x, y]| [1 - x, 1 - y])
-}
-
-/// Two triangles on the two halves: the second's corners at the shared vertices stand where the first's do.
-fn merged(request: &LayoutRequest<'_>, first: u32, second: u32) -> ([[u8; 2]; 4], [[u8; 2]; 4]) {
-    let canvas = request.canvas;
-    let (a, b) = (&canvas.faces[first as usize], &canvas.faces[second as usize]);
-    let shared = (0..3).flat_map(|k| (0..3).map(move |m| (k, m)));
-    let joins =
-        |edge: u32| request.mergeable[edge as usize] && canvas.sides(&canvas.edges[edge as usize]).len() == 2;
-    let found = shared.into_iter().find(|&(k, m)| a.edges[k] == b.edges[m] && joins(a.edges[k]));
-    let (k, m) = found.unwrap_or((0, 0)); // the pairing found this edge
-    let corners = half(k as u8);
-    let mut other = [[1, 1]; 4];
-    // The same direction on both sides means that the two faces wind against each other.
-    let same_way = a.is_reversed(k) == b.is_reversed(m);
-    let ends = [corners[k], corners[(k + 1) % 3]];
-    other[m] = ends[usize::from(!same_way)];
-    other[(m + 1) % 3] = ends[usize::from(same_way)];
-    (corners, other)
 }

@@ -1,7 +1,8 @@
-//! Numbers without a subject: color transfer, tangent frames, weighted means, disjoint sets, sparse systems.
+//! Numbers without a subject: color transfer, tangent frames, weighted means, disjoint sets, sparse systems, matchings.
 
 pub mod cholesky;
 pub mod frame;
+pub mod matching;
 pub mod mean;
 pub mod partition;
 pub mod transfer;

@@ -68,10 +68,11 @@ pub struct Probe {
 /// half by texels, so that neither wide nor detailed triangles are without.
 pub fn cells(surface: &Surface<'_>, graph: &Graph, texel_count: u64) -> Cells {
     let areas = (0..graph.corners.len() as u32).map(|triangle| 0.5 * graph.cross(triangle).length());
-    let placed = surface.parts.iter().flat_map(|part| part.placed);
-    let texels = placed.map(|triangle| {
-        let [a, b, c] = triangle.scaled.map(|place| place.as_dvec2());
-        0.5 * (b - a).perp_dot(c - a).abs()
+    let texels = surface.parts.iter().flat_map(|part| {
+        part.placed.iter().map(|triangle| {
+            let [a, b, c] = part.coordinates.texels(triangle).map(|place| place.as_dvec2());
+            0.5 * (b - a).perp_dot(c - a).abs()
+        })
     });
     let sizes: Vec<[f64; 2]> = areas.zip(texels).map(|sizes| sizes.into()).collect();
     let finite = |size: f64| if size.is_finite() { size } else { 0.0 };
@@ -122,8 +123,9 @@ fn variance(texel_area: f64, level: usize) -> f64 {
 
 /// The area of one texel of level 0 on a point's triangle, mesh space.
 fn texel_area(surface: &Surface<'_>, graph: &Graph, point: &SurfacePoint) -> Option<f64> {
-    let placed = surface.parts[point.part as usize].placed.get(point.triangle as usize)?;
-    let [a, b, c] = placed.scaled.map(|place| place.as_dvec2());
+    let part = &surface.parts[point.part as usize];
+    let placed = part.placed.get(point.triangle as usize)?;
+    let [a, b, c] = part.coordinates.texels(placed).map(|place| place.as_dvec2());
     let area = graph.cross(graph.number(point)).length() / (b - a).perp_dot(c - a).abs();
     (area.is_finite() && area > 0.0).then_some(area)
 }

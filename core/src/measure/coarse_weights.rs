@@ -30,18 +30,13 @@ impl Weights {
     }
 }
 
-/// Whether a pair has a face beyond vertex colors on a side at that level.
+/// Whether a pair has a face beyond vertex colors on a side at that level, and texels there that were
+/// extrapolated from its corners. With indexed coordinates none are.
 pub fn is_beyond(surface: &Surface<'_>, pair: &EdgePair, level: usize) -> bool {
     [&pair.a, &pair.b].into_iter().any(|side| {
-        segments(&surface.part(side).placed[side.triangle as usize].scaled) < (level as f32).exp2()
+        let part = surface.part(side);
+        part.coordinates.is_extrapolated(&part.placed[side.triangle as usize], level)
     })
-}
-
-/// The side of a triangle's block, in texels of level 0.
-fn segments(scaled: &[Vec2; 3]) -> f32 {
-    let least = scaled.iter().fold(Vec2::INFINITY, |least, corner| least.min(*corner));
-    let most = scaled.iter().fold(Vec2::NEG_INFINITY, |most, corner| most.max(*corner));
-    (most - least).max_element()
 }
 
 #[cfg(test)]
@@ -53,11 +48,5 @@ mod tests {
         assert_eq!(Weights::Exact.place(Vec2::new(3.217, 0.1)), Vec2::new(3.217, 0.1));
         assert_eq!(Weights::EightBits.place(Vec2::new(7.5, 0.25)), Vec2::new(7.5, 0.25));
         assert_eq!(Weights::EightBits.place(Vec2::new(1.0 + 0.6 / 256.0, 0.0)).x, 1.0 + 1.0 / 256.0);
-    }
-
-    #[test]
-    fn a_block_is_as_wide_as_its_corners_are_apart() {
-        let corners = [Vec2::new(8.0, 4.0), Vec2::new(12.0, 4.0), Vec2::new(8.0, 8.0)];
-        assert_eq!(segments(&corners), 4.0);
     }
 }

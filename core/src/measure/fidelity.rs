@@ -89,7 +89,7 @@ impl Comparison<'_> {
             let part = &self.converted.surface.parts[number];
             let place = self.origin.place(number, part.triangles[triangle], point.at, size_texels);
             let wanted = self.source.bilinear(place);
-            let ours = self.level.bilinear(part.placed[triangle].place_at(point.at, 0));
+            let ours = self.level.bilinear(part.place_at(triangle, point.at, 0));
             let resampled = self.yardstick.bilinear(place);
             match self.origin.meaning {
                 Meaning::Normal { scale } => {

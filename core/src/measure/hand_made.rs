@@ -7,7 +7,9 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::surface::{self, Surface};
 use crate::asset::{Asset, Face, Material, Mesh, Primitive, Slot, TextureRef, UvTransform};
-use crate::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame, PrimitiveCuts};
+use crate::finished::{
+    Anchor, Coordinates, Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame, PrimitiveCuts,
+};
 use crate::image::{Image, Pixels, Transfer, Wrap};
 
 /// Sides of 2^2 segments: levels 0 to 2 are exact.
@@ -49,8 +51,8 @@ pub fn finished_by_triangle(slot: Slot, value: impl Fn(usize, Vec3) -> [u8; 3]) 
     let corners = [Vec2::ZERO, Vec2::X * side, Vec2::Y * side];
     let triangle = |number: usize, vertices: [u32; 3]| FinishedTriangle {
         vertices,
-        scaled: corners.map(|corner| corner + blocks[number]),
-        offset: Vec2::new(number as f32 + 0.5, 0.5),
+        corners: corners.map(|corner| corner + blocks[number]),
+        anchor: Anchor::Offset(Vec2::new(number as f32 + 0.5, 0.5)),
     };
     let triangles = vec![triangle(0, [0, 1, 2]), triangle(1, [5, 4, 3])];
     let positions = square(slot, image([1, 1], |_, _| [0; 3])).meshes[0].primitives[0].positions.clone();
@@ -77,6 +79,7 @@ pub fn finished_by_triangle(slot: Slot, value: impl Fn(usize, Vec3) -> [u8; 3]) 
             mesh: 0,
             primitive: 0,
             material: 0,
+            coordinates: Coordinates::Scaled,
             triangles,
             frames: Vec::new(),
             cuts: vec![PrimitiveCuts { texture: 0, bits: vec![0; 2] }],

@@ -4,7 +4,8 @@
 use glam::{DVec2, Vec2};
 use rayon::prelude::*;
 
-use super::report::{LayoutLevel, LayoutReport};
+use super::edges::{EdgePair, Side};
+use super::report::{CoordinatesKind, LayoutLevel, LayoutReport, TableReport};
 use super::surface::Surface;
 use crate::asset::Asset;
 use crate::finished::{Finished, FinishedTriangle};
@@ -41,24 +42,17 @@ pub fn report(
     report
 }
 
-/// Faces and their blocks. Two triangles that read the same texels along their common edge stand in one
-/// block: the halves of a quad face, or a merged pair.
+/// Faces and their blocks. Two triangles on both sides of a diagonal whose texels both read are the halves of a
+/// quad face, or a merged pair. (Faces beside each other in a larger block share a straight edge.)
 fn blocks(surface: &Surface<'_>) -> LayoutReport {
-    let joined: u64 = surface
-        .pairs
-        .iter()
-        .filter(|pair| {
-            let (a, b) = (placed(surface, &pair.a), placed(surface, &pair.b));
-            let (ends_a, ends_b) = (pair.a.ends(), pair.ends_of_b());
-            a.offset == b.offset && (0..2).all(|end| a.scaled[ends_a[end]] == b.scaled[ends_b[end]])
-        })
-        .count() as u64;
+    let joined = surface.pairs.iter().filter(|pair| is_joined(surface, pair)).count() as u64;
     let faces = || surface.parts.iter().flat_map(|part| &part.geometry.faces);
     let quad_count = faces().filter(|face| face.count == 4).count() as u64;
     let face_count = faces().count() as u64;
     let triangle_count = surface.triangle_count() as u64;
     let mut exponents = Vec::new();
     for part in &surface.parts {
+        let exponent = |triangle| part.coordinates.exponent(triangle);
         let mut triangles = part.placed.iter();
         for face in &part.geometry.faces {
             let drawn = face.triangles().len();
@@ -69,6 +63,8 @@ fn blocks(surface: &Surface<'_>) -> LayoutReport {
             exponents[exponent] += 1;
         }
     }
+    // The same in all parts.
+    let table = surface.parts.first().and_then(|part| part.coordinates.table());
     LayoutReport {
         material: surface.material,
         material_name: String::new(),
@@ -77,19 +73,30 @@ fn blocks(surface: &Surface<'_>) -> LayoutReport {
         merged_pair_count: joined.saturating_sub(quad_count),
         lone_triangle_count: triangle_count.saturating_sub(2 * joined.max(quad_count)),
         exponents,
+        coordinates: if table.is_some() { CoordinatesKind::Indexed } else { CoordinatesKind::FourD },
+        table: table.map(|table| TableReport {
+            class_count: table.classes.len() as u64,
+            byte_count: table.byte_count() as u64,
+        }),
         levels: Vec::new(),
     }
 }
 
-fn placed<'a>(surface: &Surface<'a>, side: &super::edges::Side) -> &'a FinishedTriangle {
+fn placed<'a>(surface: &Surface<'a>, side: &Side) -> &'a FinishedTriangle {
     &surface.part(side).placed[side.triangle as usize]
 }
 
-/// The resolution exponent of a triangle, by the longer side of its block.
-fn exponent(triangle: &FinishedTriangle) -> usize {
-    let [a, b, c] = triangle.scaled;
-    let extent = a.max(b).max(c) - a.min(b).min(c);
-    f64::from(extent.max_element()).max(1.0).log2().round() as usize
+/// Whether the sides of a pair are one slanted edge of one block, with their triangles left and right of it.
+fn is_joined(surface: &Surface<'_>, pair: &EdgePair) -> bool {
+    let (a, b) = (placed(surface, &pair.a), placed(surface, &pair.b));
+    let (ends_a, ends_b) = (pair.a.ends(), pair.ends_of_b());
+    let [from, to] = ends_a.map(|end| a.corners[end]);
+    let is_one_edge = a.anchor == b.anchor && [from, to] == ends_b.map(|end| b.corners[end]);
+    let along = to - from;
+    let side = |triangle: &FinishedTriangle, corner: u8| {
+        along.perp_dot(triangle.corners[(usize::from(corner) + 2) % 3] - from)
+    };
+    is_one_edge && along.x != 0.0 && along.y != 0.0 && side(a, pair.a.corner) * side(b, pair.b.corner) < 0.0
 }
 
 /// Texels that bilinear filtering at some point of some triangle gives a weight.
@@ -97,7 +104,7 @@ fn used_texels(surface: &Surface<'_>, level: usize, size: [u32; 2]) -> u64 {
     let mut mask = Mask::new(size);
     for part in &surface.parts {
         for triangle in part.placed {
-            mask.mark(std::array::from_fn(|corner| triangle.place(corner, level)));
+            mask.mark(std::array::from_fn(|corner| part.coordinates.place(triangle, corner, level)));
         }
     }
     mask.count()

@@ -270,9 +270,35 @@ pub struct LayoutReport {
     pub quad_count: u64,
     pub merged_pair_count: u64,
     pub lone_triangle_count: u64,
-    /// Faces by resolution exponent, from 0.
+    /// Faces by resolution exponent (of an elongated face the larger one), from 0.
     pub exponents: Vec<u64>,
+    #[serde(default)]
+    pub coordinates: CoordinatesKind,
+    /// With indexed coordinates.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table: Option<TableReport>,
     pub levels: Vec<LayoutLevel>,
+}
+
+/// How corners name texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum CoordinatesKind {
+    /// By a scaled part and an offset (MCT equation 2).
+    #[default]
+    #[serde(rename = "4d")]
+    FourD,
+    /// By the number of a block, which a table places at each level.
+    #[serde(rename = "indexed")]
+    Indexed,
+}
+
+/// The table of indexed coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TableReport {
+    /// Shapes of blocks.
+    pub class_count: u64,
+    /// What a shader holds of it, all levels.
+    pub byte_count: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

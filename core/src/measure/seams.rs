@@ -1,7 +1,5 @@
 //! The seams of a conversion: at every level, what the two sides of each edge differ by.
 
-use glam::Vec2;
-
 use super::coarse_weights;
 use super::edges::{EdgePair, Side};
 use super::figures::{Jumps, Survey, survey, surveys};
@@ -67,23 +65,17 @@ impl Converted<'_> {
 
     /// Both sides of a pair, in the direction of the first.
     fn tracks(&self, pair: &EdgePair, level: usize) -> [Track; 2] {
-        // MCT equation 2; dividing by a power of two is exact.
-        let scale = Vec2::splat((-(level as f32)).exp2());
-        [self.track(&pair.a, pair.a.ends(), scale), self.track(&pair.b, pair.ends_of_b(), scale)]
+        [self.track(&pair.a, pair.a.ends(), level), self.track(&pair.b, pair.ends_of_b(), level)]
     }
 
-    fn track(&self, side: &Side, ends: [usize; 2], scale: Vec2) -> Track {
+    fn track(&self, side: &Side, ends: [usize; 2], level: usize) -> Track {
         let part = self.surface.part(side);
         let triangle = &part.placed[side.triangle as usize];
+        let map = part.coordinates.map(triangle.anchor, level);
         let frames = matches!(self.meaning, Meaning::Normal { .. })
             .then(|| ends.map(|k| part.frames()[side.triangle as usize][k]));
-        Track {
-            from: triangle.scaled[ends[0]],
-            to: triangle.scaled[ends[1]],
-            scale,
-            shift: triangle.offset,
-            frames,
-        }
+        let [from, to] = ends.map(|end| triangle.corners[end]);
+        Track { from, to, scale: map.scale, shift: map.shift, frames }
     }
 }
 

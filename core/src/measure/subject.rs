@@ -87,6 +87,7 @@ struct Shared<'a> {
 
 impl Subject<'_> {
     fn measured(&self) -> Result<Measured> {
+        self.finished.check_coordinates()?;
         let textures = &self.finished.textures;
         let mut materials: Vec<usize> = textures.iter().map(|texture| texture.material).collect();
         materials.sort_unstable();

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use super::edges::{self, EdgePair, Side};
 use crate::asset::{Asset, Primitive};
 use crate::error::{Error, Result};
-use crate::finished::{Finished, FinishedPrimitive, FinishedTriangle, Frame};
+use crate::finished::{Anchor, Coordinates, Finished, FinishedPrimitive, FinishedTriangle, Frame};
 
 /// No image is as large: converted coordinates beyond are refused.
 const FAR_TEXELS: f32 = 1e9;
@@ -20,12 +20,19 @@ pub struct Part<'a> {
     pub triangles: Vec<[u32; 3]>,
     /// One for each triangle; empty for a plain source.
     pub placed: &'a [FinishedTriangle],
+    /// Of `placed`.
+    pub coordinates: &'a Coordinates,
     pub finished: Option<&'a FinishedPrimitive>,
 }
 
 impl Part<'_> {
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
         self.triangles[triangle].map(|vertex| self.geometry.positions[vertex as usize])
+    }
+
+    /// The place of barycentrics `at` in the image of `level`, in texels.
+    pub fn place_at(&self, triangle: usize, at: Vec3, level: usize) -> Vec2 {
+        self.coordinates.place_at(&self.placed[triangle], at, level)
     }
 
     /// The frames a conversion gave; empty where it has none.
@@ -46,7 +53,15 @@ impl<'a> Surface<'a> {
     pub fn of_source(primitives: Vec<(usize, usize, &'a Primitive)>, material: usize) -> Self {
         let part = |(mesh, primitive, geometry)| {
             let triangles = fan(geometry).map(|(_, triangle)| triangle).collect();
-            Part { mesh, primitive, geometry, triangles, placed: &[], finished: None }
+            Part {
+                mesh,
+                primitive,
+                geometry,
+                triangles,
+                placed: &[],
+                coordinates: &Coordinates::Scaled,
+                finished: None,
+            }
         };
         Self::joined(material, primitives.into_iter().map(part).collect())
     }
@@ -77,6 +92,7 @@ impl<'a> Surface<'a> {
                 geometry,
                 triangles: written.triangles.iter().map(|triangle| triangle.vertices).collect(),
                 placed: &written.triangles,
+                coordinates: &written.coordinates,
                 finished: Some(written),
             });
         }
@@ -158,7 +174,12 @@ fn check_fit(geometry: &Primitive, written: &FinishedPrimitive) -> Result<()> {
         }
         // Not a number is not within either.
         let is_near = |place: Vec2| place.abs().cmplt(Vec2::splat(FAR_TEXELS)).all();
-        if !(triangle.scaled.into_iter().all(is_near) && is_near(triangle.offset)) {
+        let is_offset_near = match triangle.anchor {
+            Anchor::Offset(offset) => is_near(offset),
+            // Blocks are checked with their table.
+            Anchor::Block { .. } => true,
+        };
+        if !(triangle.corners.into_iter().all(is_near) && is_offset_near) {
             return Err(Error::invalid(format!(
                 "triangle {number} has a coordinate beyond {FAR_TEXELS} texels"
             )));

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::{CanvasEdge, CanvasFace, CanvasMesh, Side};
+use super::{CanvasEdge, CanvasFace, CanvasMesh, Drawn, Side};
 
 /// A polygon soup of one mesh and material, as [`build`] takes it in.
 pub struct Polygons<'a> {
@@ -36,8 +36,11 @@ pub fn build<'a>(parts: impl IntoIterator<Item = Polygons<'a>>) -> CanvasMesh {
                 count,
                 reversed: 0,
                 mesh: part.mesh,
-                primitive: part.primitive,
-                face: number as u32,
+                drawn: [[0, 1, 2], [0, 2, 3]].map(|corners| Drawn {
+                    primitive: part.primitive,
+                    face: number as u32,
+                    corners,
+                }),
                 area: area(&canvas.positions, vertices, count),
             });
         }
@@ -46,14 +49,15 @@ pub fn build<'a>(parts: impl IntoIterator<Item = Polygons<'a>>) -> CanvasMesh {
     canvas
 }
 
-fn area(positions: &[Vec3], vertices: [u32; 4], count: u8) -> f32 {
+pub(super) fn area(positions: &[Vec3], vertices: [u32; 4], count: u8) -> f32 {
     let at = |k: usize| positions[vertices[k] as usize].as_dvec3();
     let triangle = |a: usize, b: usize, c: usize| 0.5 * (at(b) - at(a)).cross(at(c) - at(a)).length();
     let total = triangle(0, 1, 2) + if count == 4 { triangle(0, 2, 3) } else { 0.0 };
     total as f32
 }
 
-fn link(canvas: &mut CanvasMesh) {
+/// Finds the edges of faces that are complete but for them.
+pub(super) fn link(canvas: &mut CanvasMesh) {
     let mut edge_at: HashMap<[u32; 2], u32> = HashMap::new();
     let mut side_edges = Vec::new();
     let CanvasMesh { faces, edges, .. } = canvas;

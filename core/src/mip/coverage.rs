@@ -12,6 +12,10 @@ use crate::watch::{self, Watch};
 
 /// Scales beyond this change the picture more than they save.
 const SCALE_MAX: f32 = 4.0;
+/// Halvings of the span of factors: down to a thousandth.
+const STEPS: usize = 11;
+/// What rounding to 8 bits may change.
+const HALF_CODE: f32 = 0.5 / 255.0;
 /// Points along a face's side are at least this many.
 const POINTS_PER_SIDE: u32 = 16;
 
@@ -43,16 +47,28 @@ pub fn keep_coverage(
     if cutoff <= 0.0 || wanted <= 0.0 || wanted >= 1.0 {
         return Ok(());
     }
-    let areas = areas_by_alpha(numbering, values, watch)?;
-    let target = f64::from(wanted) * areas.iter().sum::<f64>();
-    let mut sum = 0.0;
-    let last_passing = areas.iter().rposition(|area| {
-        sum += area;
-        sum >= target
-    });
-    let Some(last_passing) = last_passing else { return Ok(()) };
-    let alpha = last_passing as f32 / (BINS - 1) as f32;
-    let scale = (cutoff / alpha.max(1e-6)).clamp(1.0 / SCALE_MAX, SCALE_MAX);
+    let scaled = |scale: f32| -> Vec<Vec4> {
+        values.iter().map(|value| value.with_w((value.w * scale).min(1.0))).collect()
+    };
+    // Alpha ends at 1, so what lies between two samples does not scale as they do: the factor is looked for.
+    let (mut low, mut high) = (1.0 / SCALE_MAX, SCALE_MAX);
+    let mut best = (f32::INFINITY, 1.0, false);
+    for _ in 0..STEPS {
+        let scale = (low * high).sqrt();
+        let share = coverage(numbering, &scaled(scale), cutoff, watch)?;
+        let apart = (share - wanted).abs();
+        if apart < best.0 {
+            best = (apart, scale, share >= wanted);
+        }
+        if share < wanted {
+            low = scale;
+        } else {
+            high = scale;
+        }
+    }
+    let (_, scale, is_over) = best;
+    // What passes is to pass once it is stored, too.
+    let scale = scale * if is_over { 1.0 + HALF_CODE / cutoff } else { 1.0 };
     values.iter_mut().for_each(|value| value.w = (value.w * scale).min(1.0));
     Ok(())
 }
@@ -68,27 +84,27 @@ fn areas_by_alpha(numbering: &LevelNumbering<'_>, values: &[Vec4], watch: &dyn W
     for face in 0..numbering.canvas.faces.len() {
         watch::check(watch)?;
         numbering.fill(face, values, &mut grid);
-        let side = grid.segments * POINTS_PER_SIDE.div_ceil(grid.segments);
-        let area = f64::from(numbering.canvas.faces[face].area) / f64::from(side).powi(2);
-        count_face(&grid, side, area, &mut areas);
+        let sides = grid.shape.segments.map(|segments| segments * POINTS_PER_SIDE.div_ceil(segments));
+        let squares = f64::from(sides[0]) * f64::from(sides[1]);
+        count_face(&grid, sides, f64::from(numbering.canvas.faces[face].area) / squares, &mut areas);
     }
     Ok(areas)
 }
 
-/// Middles of `side * side` squares; on a triangle those beyond the diagonal are left out, and those on it
+/// Middles of equal rectangles, so many a side; on a triangle those beyond the diagonal are left out, and those on it
 /// count half.
-fn count_face(grid: &FaceGrid, side: u32, area: f64, areas: &mut [f64]) {
-    let scale = grid.segments as f32 / side as f32;
-    for y in 0..side {
-        for x in 0..side {
-            let share = match (grid.is_triangle, (x + y + 1).cmp(&side)) {
+fn count_face(grid: &FaceGrid, [columns, rows]: [u32; 2], area: f64, areas: &mut [f64]) {
+    let [n, m] = grid.shape.segments;
+    for y in 0..rows {
+        for x in 0..columns {
+            let share = match (grid.shape.is_triangle, (x + y + 1).cmp(&columns)) {
                 (false, _) => 1.0,
                 (true, std::cmp::Ordering::Less) => 2.0,
                 (true, std::cmp::Ordering::Equal) => 1.0,
                 (true, std::cmp::Ordering::Greater) => continue,
             };
-            let at = |v: u32| (v as f32 + 0.5) * scale;
-            areas[bin(grid.alpha(at(x), at(y)))] += area * share;
+            let at = |v: u32, side: u32, segments: u32| (v as f32 + 0.5) * segments as f32 / side as f32;
+            areas[bin(grid.alpha(at(x, columns, n), at(y, rows, m)))] += area * share;
         }
     }
 }

@@ -7,7 +7,7 @@ mod tests;
 use glam::Vec4;
 use rayon::prelude::*;
 
-use crate::colors::{LevelNumbering, SampleAreas};
+use crate::colors::{LevelNumbering, SampleAreas, Shape};
 use crate::math::mean::WeightedMean;
 
 use super::hats::{StripSide, beside, edge_grid_point, edge_taps, inner_neighbor};
@@ -75,7 +75,7 @@ impl<'a> Filter<'a> {
         let before = mean;
         for &(face, corner) in self.fine.topology.corners(fan) {
             let (face, corner) = (face as usize, usize::from(corner));
-            if self.fine.segments(face) == 1 {
+            if self.fine.shape(face).is_vertex_colors() {
                 if self.rungs.beyond == Beyond::OneRing {
                     self.add_ring(&mut mean, face, corner);
                 }
@@ -108,17 +108,20 @@ impl<'a> Filter<'a> {
     /// The same at the face's own spacing.
     fn add_corner(&self, mean: &mut WeightedMean, face: usize, corner: usize) {
         let topology = self.fine.topology;
-        let count = self.fine.canvas.faces[face].count();
-        let segments = self.fine.segments(face);
+        let shape = self.fine.shape(face);
+        let count = shape.edge_count();
         let before = (corner + count - 1) % count;
-        for (edge, along) in [(corner, 1), (before, segments - 1)] {
+        for (edge, along) in [(corner, 1), (before, shape.edge_segments(before) - 1)] {
+            if self.is_down(shape, edge) {
+                continue;
+            }
             let strip = &topology.strips[topology.strip_of[face][edge] as usize];
             let share = 0.5 / topology.sides(strip).len() as f32;
             let neighbor = self.fine.edge_tap(face, edge, along).value(self.values);
             mean.add(neighbor, share, self.rungs.by_alpha);
         }
-        if count == 4 {
-            let (i, j) = inner_neighbor(corner, segments);
+        if count == 4 && shape.interior_count() > 0 {
+            let (i, j) = inner_neighbor(corner, shape);
             self.add(mean, self.fine.inner_sample(face, i, j), 0.25);
         }
     }
@@ -134,11 +137,20 @@ impl<'a> Filter<'a> {
         let topology = self.fine.topology;
         let canvas_face = &self.fine.canvas.faces[face];
         let inner_area = areas.faces[face];
-        let count = canvas_face.count();
-        let n = self.fine.segments(face);
+        let shape = self.fine.shape(face);
+        let count = shape.edge_count();
         let before = (corner + count - 1) % count;
         for (edge, starts_here) in [(corner, true), (before, false)] {
             let strip = topology.strip_of[face][edge] as usize;
+            let n = shape.edge_segments(edge);
+            if n == 1 {
+                if !self.is_down(shape, edge) {
+                    let neighbor = if starts_here { (corner + 1) % count } else { before };
+                    let share = 0.5 / topology.sides(&topology.strips[strip]).len() as f32;
+                    self.add_fan(mean, topology.fan_of[face][neighbor], share);
+                }
+                continue;
+            }
             let strip_segments = self.fine.strip_segments(strip);
             let reach = if strip_segments > 1 { 2 * (n / strip_segments) } else { n };
             if strip_segments > 1 {
@@ -147,24 +159,28 @@ impl<'a> Filter<'a> {
                 let share = 0.5 / topology.sides(&topology.strips[strip]).len() as f32;
                 self.add(mean, self.fine.strip_sample(strip, next) as usize, share * areas.strips[strip]);
             }
+            if shape.interior_count() == 0 {
+                continue;
+            }
             for x in (2..reach).step_by(2) {
                 let weight = inner_area * (1.0 - x as f32 / reach as f32);
                 let x = if starts_here { x } else { n - x };
-                for &(offset, share) in beside(canvas_face.is_triangle()) {
-                    let (i, j) = edge_grid_point(
-                        canvas_face.is_triangle(),
-                        n,
-                        edge,
-                        (x.saturating_add_signed(offset), 1),
-                    );
+                for &(offset, share) in beside(shape.is_triangle) {
+                    let (i, j) = edge_grid_point(shape, edge, (x.saturating_add_signed(offset), 1));
                     self.add(mean, self.fine.inner_sample(face, i, j), weight * share);
                 }
             }
         }
-        if count == 4 {
-            let (i, j) = inner_neighbor(corner, n);
+        if count == 4 && shape.interior_count() > 0 {
+            let (i, j) = inner_neighbor(corner, shape);
             self.add(mean, self.fine.inner_sample(face, i, j), 0.25 * inner_area);
         }
+    }
+
+    /// Whether a quad has come down to its two ends along an edge, but not along the other. What it exchanges
+    /// that way is left to the heat flow; the one-ring mean takes it in as the neighbor that it is.
+    fn is_down(&self, shape: Shape, edge: usize) -> bool {
+        shape.edge_segments(edge) == 1 && self.rungs.beyond == Beyond::Heat
     }
 
     /// The samples along an edge: the 1-2-1 row on the edge, and what the hat covers in each face. By area
@@ -174,8 +190,8 @@ impl<'a> Filter<'a> {
         let sides: Vec<(StripSide, Option<&[Vec4]>)> = (topology.sides(&topology.strips[strip]).iter())
             .map(|side| {
                 let side = self.strip_side(strip, side.face as usize, usize::from(side.edge));
-                let known = borders.of_edge(side.face, side.edge, side.segments / 2);
-                let known = known.filter(|_| side.step == 1);
+                let known = borders.of_edge(side.face, side.edge, self.coarse.shape(side.face));
+                let known = known.filter(|_| side.step == 1 && !side.taps.is_empty());
                 (side, known)
             })
             .collect();
@@ -188,7 +204,8 @@ impl<'a> Filter<'a> {
                 self.add(&mut mean, first + sample as usize - 1, weight * area);
             }
             for (side, known) in &sides {
-                let along = if side.is_reversed { side.segments - at * side.step } else { at * side.step };
+                let segments = side.shape.edge_segments(side.edge);
+                let along = if side.is_reversed { segments - at * side.step } else { at * side.step };
                 match known {
                     Some(sums) => mean.add(sums[along as usize / 2 - 1], side.weight, false),
                     None => self.add_side(&mut mean, side, along),
@@ -202,23 +219,21 @@ impl<'a> Filter<'a> {
     fn add_side(&self, mean: &mut WeightedMean, side: &StripSide, along: u32) {
         for tap in side.taps.iter() {
             let place = (along.saturating_add_signed(tap.offset), tap.depth);
-            let (i, j) = edge_grid_point(side.is_triangle, side.segments, side.edge, place);
+            let (i, j) = edge_grid_point(side.shape, side.edge, place);
             self.add(mean, self.fine.inner_sample(side.face, i, j), tap.weight * side.weight);
         }
     }
 
     fn strip_side(&self, strip: usize, face: usize, edge: usize) -> StripSide {
-        let canvas_face = &self.fine.canvas.faces[face];
-        let segments = self.fine.segments(face);
-        let step = segments / self.fine.strip_segments(strip);
+        let shape = self.fine.shape(face);
+        let step = shape.edge_segments(edge) / self.fine.strip_segments(strip);
         StripSide {
             face,
             edge,
-            segments,
+            shape,
             step,
-            is_triangle: canvas_face.is_triangle(),
-            is_reversed: canvas_face.is_reversed(edge),
-            taps: edge_taps(canvas_face.is_triangle(), step, self.rungs.filter),
+            is_reversed: self.fine.canvas.faces[face].is_reversed(edge),
+            taps: edge_taps(shape, edge, step, self.rungs.filter),
             weight: self.areas.as_ref().map_or(1.0, |areas| areas.faces[face]),
         }
     }

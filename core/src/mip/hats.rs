@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use super::MipFilter;
+use crate::colors::Shape;
 
 /// A fine sample inside a face, seen from one of its edges: `offset` along the edge from the coarse sample,
 /// `depth` rows inside.
@@ -17,10 +18,9 @@ pub(super) struct EdgeTap {
 pub(super) struct StripSide {
     pub face: usize,
     pub edge: usize,
-    pub segments: u32,
+    pub shape: Shape,
     /// Segments of the face to one of the strip.
     pub step: u32,
-    pub is_triangle: bool,
     pub is_reversed: bool,
     pub taps: Cow<'static, [EdgeTap]>,
     /// What each tap counts for, beside its weight.
@@ -42,22 +42,25 @@ const QUAD_TAPS: [EdgeTap; 3] = [
 ];
 
 /// The samples of a face under the hat of a coarse sample inside an edge, the face having `step` segments to
-/// one of the edge. Both filters agree where `step` is 1.
-pub(super) fn edge_taps(is_triangle: bool, step: u32, filter: MipFilter) -> Cow<'static, [EdgeTap]> {
+/// one of the edge. Both filters agree where `step` is 1. A quad of one row of cells has nothing inside.
+pub(super) fn edge_taps(shape: Shape, edge: usize, step: u32, filter: MipFilter) -> Cow<'static, [EdgeTap]> {
+    let depth = shape.depth(edge);
     match (step, filter) {
-        (1, _) if is_triangle => Cow::Borrowed(&TRIANGLE_TAPS),
+        (1, _) if shape.is_triangle => Cow::Borrowed(&TRIANGLE_TAPS),
+        _ if depth == 1 => Cow::Borrowed(&[]),
         (1, _) => Cow::Borrowed(&QUAD_TAPS),
-        (_, MipFilter::Uniform) => Cow::Owned(wide_taps(is_triangle, step)),
-        (_, MipFilter::Area) => Cow::Owned(basis_taps(is_triangle, step)),
+        (_, MipFilter::Uniform) => Cow::Owned(wide_taps(shape.is_triangle, step, depth)),
+        (_, MipFilter::Area) => Cow::Owned(basis_taps(shape.is_triangle, step)),
     }
 }
 
-/// The hat of the edge's own spacing, as wide inwards as along the edge, with a total weight of 1.
-fn wide_taps(is_triangle: bool, step: u32) -> Vec<EdgeTap> {
+/// The hat of the edge's own spacing, as wide inwards as along the edge (or as the face has rows), with a total
+/// weight of 1.
+fn wide_taps(is_triangle: bool, step: u32, depth: u32) -> Vec<EdgeTap> {
     let reach = 2 * step as i32;
     let scale = 1.0 / reach as f32;
     let mut taps = Vec::new();
-    for depth in 1..reach {
+    for depth in 1..reach.min(depth as i32) {
         for offset in -reach + 1..reach {
             let weight = if is_triangle {
                 // Barycentric differences to the center: offset + depth, -offset, -depth in some order.
@@ -90,24 +93,26 @@ fn basis_taps(is_triangle: bool, step: u32) -> Vec<EdgeTap> {
 }
 
 /// The grid point diagonally next to a quad's corner.
-pub(super) fn inner_neighbor(corner: usize, n: u32) -> (u32, u32) {
+pub(super) fn inner_neighbor(corner: usize, shape: Shape) -> (u32, u32) {
+    let [n, m] = shape.segments;
     match corner {
         0 => (1, 1),
         1 => (n - 1, 1),
-        2 => (n - 1, n - 1),
-        _ => (1, n - 1),
+        2 => (n - 1, m - 1),
+        _ => (1, m - 1),
     }
 }
 
 /// The grid point `x` along an edge from its first corner and `depth` inside. On a triangle a row inside is
 /// shorter: `x` counts along it from where it leaves the edge before.
-pub(super) fn edge_grid_point(is_triangle: bool, n: u32, edge: usize, (x, depth): (u32, u32)) -> (u32, u32) {
-    match (is_triangle, edge) {
+pub(super) fn edge_grid_point(shape: Shape, edge: usize, (x, depth): (u32, u32)) -> (u32, u32) {
+    let [n, m] = shape.segments;
+    match (shape.is_triangle, edge) {
         (_, 0) => (x, depth),
         (true, 1) => (n - x - depth, x),
         (true, _) => (depth, n - x - depth),
         (false, 1) => (n - depth, x),
-        (false, 2) => (n - x, n - depth),
-        (false, _) => (depth, n - x),
+        (false, 2) => (n - x, m - depth),
+        (false, _) => (depth, m - x),
     }
 }

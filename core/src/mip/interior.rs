@@ -6,7 +6,7 @@
 use glam::Vec4;
 use rayon::prelude::*;
 
-use crate::colors::LevelNumbering;
+use crate::colors::{LevelNumbering, Shape};
 use crate::math::mean::WeightedMean;
 
 use super::filter::Filter;
@@ -27,21 +27,27 @@ impl Borders {
     /// Room for all faces, or for none.
     fn new(coarse: &LevelNumbering<'_>, is_needed: bool) -> Self {
         let mut first = vec![0];
-        for (face, canvas_face) in coarse.canvas.faces.iter().enumerate() {
-            let count =
-                if is_needed { canvas_face.count() * (coarse.segments(face) as usize - 1) } else { 0 };
+        for face in 0..coarse.canvas.faces.len() {
+            let shape = coarse.shape(face);
+            let count = if is_needed { shape.border_count() - shape.edge_count() } else { 0 };
             first.push(first[face] + count);
         }
         let sums = vec![Vec4::ZERO; first[first.len() - 1]];
         Self { first, sums }
     }
 
-    /// What the face adds at each coarse sample of an edge, from the edge's first corner; `None` where this
-    /// was not worked out.
-    pub fn of_edge(&self, face: usize, edge: usize, coarse_segments: u32) -> Option<&[Vec4]> {
+    /// What the face, whose coarse grid is `coarse`, adds at each coarse sample of an edge, from the edge's first
+    /// corner; `None` where this was not worked out.
+    pub fn of_edge(&self, face: usize, edge: usize, coarse: Shape) -> Option<&[Vec4]> {
         let sums = &self.sums[self.first[face]..self.first[face + 1]];
-        sums.chunks_exact((coarse_segments as usize).checked_sub(1).filter(|&count| count > 0)?).nth(edge)
+        sums.get(edge_samples(coarse, edge))
     }
+}
+
+/// Where the samples inside an edge stand among those inside all edges of its face.
+fn edge_samples(shape: Shape, edge: usize) -> std::ops::Range<usize> {
+    let first = shape.edge_first(edge) - edge;
+    first..first + shape.edge_segments(edge) as usize - 1
 }
 
 /// Fills `out`, which begins with the first face's samples.
@@ -87,21 +93,20 @@ pub(super) fn interiors(filter: &Filter<'_>, mut out: &mut [Vec4]) -> Borders {
 
 fn border_sums(filter: &Filter<'_>, face: usize, sums: &mut [Vec4]) {
     let fine = filter.fine;
-    let is_triangle = fine.canvas.faces[face].is_triangle();
-    let n = fine.segments(face);
-    let taps = edge_taps(is_triangle, 1, filter.rungs.filter);
+    let (shape, coarse) = (fine.shape(face), filter.coarse.shape(face));
     if sums.is_empty() {
         return;
     }
-    for (edge, sums) in sums.chunks_exact_mut(n as usize / 2 - 1).enumerate() {
+    for edge in 0..shape.edge_count() {
         let strip = fine.topology.strip_of[face][edge] as usize;
-        if fine.strip_segments(strip) != n {
+        let taps = edge_taps(shape, edge, 1, filter.rungs.filter);
+        if fine.strip_segments(strip) != shape.edge_segments(edge) {
             continue;
         }
-        for (along, sum) in (2..).step_by(2).zip(sums) {
+        for (along, sum) in (2..).step_by(2).zip(&mut sums[edge_samples(coarse, edge)]) {
             for tap in taps.iter() {
                 let place = (tap.offset + along, tap.depth);
-                let (i, j) = edge_grid_point(is_triangle, n, edge, (place.0 as u32, place.1));
+                let (i, j) = edge_grid_point(shape, edge, (place.0 as u32, place.1));
                 *sum += filter.values[fine.inner_sample(face, i, j)] * tap.weight;
             }
         }
@@ -116,8 +121,8 @@ fn rows(
     mut own: &mut [Vec4],
     mix: impl Fn([Vec4; 3], [Vec4; 3], [Vec4; 3], bool) -> Vec4 + Copy,
 ) {
-    let is_triangle = fine.canvas.faces[face].is_triangle();
-    let n = fine.segments(face) as usize;
+    let Shape { is_triangle, segments } = fine.shape(face);
+    let n = segments[0] as usize;
     let mut samples = &values[fine.face_range(face)];
     // Row j of the fine samples; on a triangle each is one shorter than the one before.
     let mut next_row = |j: usize| {

@@ -88,7 +88,8 @@ impl Coarsener {
         filter.strips(coarse.by_strip(strips), &borders);
         if self.rungs.beyond == Beyond::Heat {
             watch::check(watch)?;
-            heat::flow(fine, coarse, &mut self.network, fans, self.rungs.by_alpha)?;
+            let shared = &mut out[..coarse.shared_count()];
+            heat::flow(fine, coarse, &mut self.network, shared, self.rungs.by_alpha)?;
         }
         Ok(out)
     }

@@ -31,7 +31,7 @@ pub(super) fn fan(valence: u32) -> CanvasMesh {
 
 /// Filters one level of the given samples; `value` by sample number.
 fn one_level(canvas: &CanvasMesh, exponents: &[u8], cuts: &Cuts, value: impl Fn(usize) -> f32) -> Vec<f32> {
-    let resolutions = Resolutions { faces: exponents.to_vec() };
+    let resolutions = Resolutions::uniform(exponents.iter().copied());
     let topology = ChannelTopology::new(canvas, &resolutions, cuts);
     let fine = LevelNumbering::new(canvas, &topology, &resolutions, 0);
     let coarse = LevelNumbering::new(canvas, &topology, &resolutions, 1);
@@ -58,8 +58,12 @@ pub(super) struct Case {
 
 impl Case {
     pub fn new(canvas: CanvasMesh, exponents: Vec<u8>) -> Self {
+        Self::elongated(canvas, Resolutions::uniform(exponents))
+    }
+
+    pub fn elongated(canvas: CanvasMesh, resolutions: Resolutions) -> Self {
         let cuts = Cuts::none(&canvas);
-        Self { canvas, resolutions: Resolutions { faces: exponents }, cuts }
+        Self { canvas, resolutions, cuts }
     }
 
     pub fn topology(&self) -> ChannelTopology {
@@ -134,8 +138,12 @@ pub(super) fn sheet(random: &mut Random, side: usize, bend: f32, exponent_end: u
             _ => faces.extend([vec![a, b, c], vec![d, a, c]]),
         }
     }
-    let exponents = faces.iter().map(|_| random.below(exponent_end) as u8).collect();
-    Case::new(canvas(&positions, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>()), exponents)
+    let exponents = faces.iter().map(|face| {
+        let [r, s] = [(); 2].map(|()| random.below(exponent_end) as u8);
+        if face.len() == 3 { [r; 2] } else { [r, s] }
+    });
+    let resolutions = Resolutions { faces: exponents.collect() };
+    Case::elongated(canvas(&positions, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>()), resolutions)
 }
 
 #[test]
@@ -171,7 +179,7 @@ fn a_vertex_weighs_itself_by_its_valence() {
 #[test]
 fn inner_samples_weigh_their_neighbors() {
     let triangle = canvas(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[&[0, 1, 2]]);
-    let resolutions = Resolutions { faces: vec![3] };
+    let resolutions = Resolutions::uniform(vec![3]);
     let topology = ChannelTopology::new(&triangle, &resolutions, &Cuts::none(&triangle));
     let fine = LevelNumbering::new(&triangle, &topology, &resolutions, 0);
     let coarse = LevelNumbering::new(&triangle, &topology, &resolutions, 1);
@@ -184,7 +192,7 @@ fn inner_samples_weigh_their_neighbors() {
         assert!((out[center] - expected).abs() < 1e-6, "({i}, {j}) weighs {}", out[center]);
     }
     let quad = canvas(&[Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y], &[&[0, 1, 2, 3]]);
-    let resolutions = Resolutions { faces: vec![2] };
+    let resolutions = Resolutions::uniform(vec![2]);
     let topology = ChannelTopology::new(&quad, &resolutions, &Cuts::none(&quad));
     let fine = LevelNumbering::new(&quad, &topology, &resolutions, 0);
     let coarse = LevelNumbering::new(&quad, &topology, &resolutions, 1);
@@ -200,7 +208,7 @@ fn inner_samples_weigh_their_neighbors() {
 #[test]
 fn edge_samples_take_from_both_faces_unless_cut() {
     let mesh = canvas(&[Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.0)], &[&[0, 1, 2], &[3, 2, 1]]);
-    let resolutions = Resolutions { faces: vec![2, 2] };
+    let resolutions = Resolutions::uniform(vec![2, 2]);
     let shared = mesh.edges.iter().position(|edge| edge.vertices == [1, 2]).unwrap();
     for is_cut in [false, true] {
         let mut cuts = Cuts::none(&mesh);
@@ -220,7 +228,7 @@ fn edge_samples_take_from_both_faces_unless_cut() {
 #[test]
 fn what_is_transparent_has_no_vote_in_color() {
     let mesh = fan(4);
-    let resolutions = Resolutions { faces: vec![0; 4] };
+    let resolutions = Resolutions::uniform(vec![0; 4]);
     let topology = ChannelTopology::new(&mesh, &resolutions, &Cuts::none(&mesh));
     let fine = LevelNumbering::new(&mesh, &topology, &resolutions, 0);
     let coarse = LevelNumbering::new(&mesh, &topology, &resolutions, 1);
@@ -239,7 +247,7 @@ fn what_is_transparent_has_no_vote_in_color() {
 #[test]
 fn a_mask_keeps_its_share_of_surface() {
     let mesh = fan(6);
-    let resolutions = Resolutions { faces: vec![3; 6] };
+    let resolutions = Resolutions::uniform(vec![3; 6]);
     let topology = ChannelTopology::new(&mesh, &resolutions, &Cuts::none(&mesh));
     let numbering = LevelNumbering::new(&mesh, &topology, &resolutions, 0);
     let sharp: Vec<Vec4> =

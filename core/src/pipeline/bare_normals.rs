@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::assign::NormalFrames;
 use crate::colors::LevelNumbering;
-use crate::mesh::{Side, surface_point};
+use crate::mesh::{Side, drawn_corners, surface_point};
 
 /// `N` to `D`: takes the mesh's own normals from samples.
 pub fn take_bare(numbering: &LevelNumbering<'_>, frames: &NormalFrames, normals: &mut [Vec4]) {
@@ -81,21 +81,24 @@ fn inside(
     visit: impl Fn(&mut Vec4, Vec4),
 ) {
     let canvas_face = &numbering.canvas.faces[face];
-    let segments = numbering.segments(face);
-    let scale = 1.0 / segments as f32;
+    let shape = numbering.shape(face);
     let corners = frames.corners[face].map(|frame| frame.normal.extend(0.0));
     let at = |i: u32, j: u32| {
-        let (of, weights) = surface_point(canvas_face.count(), i as f32 * scale, j as f32 * scale);
+        let [s, t] = shape.unit(i, j);
+        let (triangle, weights) = surface_point(canvas_face.count(), s, t);
+        let of = drawn_corners(triangle);
         corners[of[0]] * weights.x + corners[of[1]] * weights.y + corners[of[2]] * weights.z
     };
     let mut values = values.iter_mut();
-    for j in 1..segments {
+    let [n, m] = shape.segments;
+    for j in shape.inner_rows() {
         // One triangle of the face after the other: on each the row is affine.
-        let (turn, end) = if canvas_face.is_triangle() { (1, segments - j) } else { (j, segments) };
-        for (first, last) in [(1, turn), (turn, end)] {
+        let turn = if shape.is_triangle { 1 } else { (j * n).div_ceil(m) };
+        for (first, end) in [(1, turn), (turn, shape.cell_count(j))] {
+            let Some(count) = end.checked_sub(first).filter(|&count| count > 0) else { continue };
             let start = at(first, j);
-            let step = (at(last, j) - start) / (last - first).max(1) as f32;
-            for (value, i) in values.by_ref().take((last - first) as usize).zip(0u32..) {
+            let step = (at(end - 1, j) - start) / (count - 1).max(1) as f32;
+            for (value, i) in values.by_ref().take(count as usize).zip(0u32..) {
                 let normal = start + step * i as f32;
                 visit(value, normal.try_normalize().unwrap_or(corners[0]));
             }

@@ -1,21 +1,19 @@
 //! One material's journey, from its faces to its level images.
 
-use glam::Vec3;
-
 use crate::asset::{AlphaMode, Asset};
 use crate::assign::{NormalFrames, choose_frames};
-use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions, level_count};
+use crate::colors::{ChannelTopology, LevelNumbering, Resolutions};
 use crate::error::Result;
-use crate::layout::{BlockKind, Layout, LayoutRequest, arrange};
-use crate::mesh::{CanvasEdge, CanvasFace, CanvasMesh, Polygons, Side, build};
-use crate::read::Limits;
-use crate::resample::{find_cuts, resolutions, sample};
-use crate::source::tangents::corner_normals;
-use crate::source::{SourceChannel, SurfaceSource, channels};
+use crate::layout::Layout;
+use crate::mesh::CanvasMesh;
+use crate::resample::sample;
+use crate::source::SourceChannel;
 use crate::watch::{Stage, Watch};
 
+use super::arrange::Arranged;
 use super::channel::{ChannelInput, FinishedChannel, Rooms, finish_channel};
 use super::options::Options;
+use super::prepare::Prepared;
 use super::progress::Progress;
 
 /// A converted material: its layout, and its channels with what was done to each.
@@ -29,43 +27,19 @@ pub struct MaterialConversion {
     pub channels: Vec<FinishedChannel>,
 }
 
-/// Converts one material; `None` where it has no texture or no face.
+/// Converts one material.
 pub fn convert_material(
     asset: &Asset,
-    material: usize,
+    prepared: Prepared<'_>,
+    arranged: Arranged,
     options: &Options,
-    limits: &Limits,
     watch: &dyn Watch,
     progress: &mut Progress<'_>,
-) -> Result<Option<MaterialConversion>> {
-    let source_channels = channels(asset, material);
-    if source_channels.is_empty() {
-        return Ok(None);
-    }
-    let canvas = canvas_of(asset, material);
-    if canvas.faces.is_empty() {
-        return Ok(None);
-    }
-    watch.stage(Stage::Resample);
-    let sources: Vec<SurfaceSource<'_>> =
-        source_channels.iter().map(|channel| SurfaceSource::new(channel, asset, &canvas)).collect();
-    let resolutions = resolutions(options.resolution, asset, &canvas, &sources);
-    let cuts: Vec<Cuts> = (sources.iter())
-        .map(|source| find_cuts(source, &canvas, options.cut_codes, watch))
-        .collect::<Result<_>>()?;
-    progress.advance(0.2);
-    watch.stage(Stage::Layout);
-    let normals = source_channels.iter().any(SourceChannel::is_normal).then(|| normals_of(asset, &canvas));
-    let request = LayoutRequest {
-        canvas: &canvas,
-        resolutions: &resolutions,
-        mergeable: &mergeable(&canvas, &cuts, normals.as_deref()),
-        diagonals: &diagonals(&canvas, &cuts),
-        level_count: level_count(&canvas, &resolutions),
-        side_limit: limits.texture_side,
-    };
-    let layout = arrange(&request)?;
-    let frames = normals.map(|normals| frames_of(&canvas, &normals, &layout, &source_channels));
+) -> Result<MaterialConversion> {
+    let Prepared { material, canvas, sources, cuts, normals } = prepared;
+    let Arranged { resolutions, layout } = arranged;
+    let normal_scale = sources.iter().find_map(|source| source.channel.normal_scale()).unwrap_or(1.0);
+    let frames = normals.map(|normals| choose_frames(&canvas, &normals, normal_scale));
     let mut finished = Vec::with_capacity(sources.len());
     let mut rooms = Rooms::default();
     for (source, cuts) in sources.iter().zip(cuts) {
@@ -87,10 +61,10 @@ pub fn convert_material(
             rounding: options.rounding,
         };
         finished.push(finish_channel(input, numbering, samples, &mut rooms, watch)?);
-        progress.advance(0.8 / sources.len() as f32);
+        progress.advance(1.0 / sources.len() as f32);
     }
     drop(sources);
-    Ok(Some(MaterialConversion { material, canvas, resolutions, layout, frames, channels: finished }))
+    Ok(MaterialConversion { material, canvas, resolutions, layout, frames, channels: finished })
 }
 
 fn mask_cutoff(asset: &Asset, channel: &SourceChannel<'_>) -> Option<f32> {
@@ -98,77 +72,4 @@ fn mask_cutoff(asset: &Asset, channel: &SourceChannel<'_>) -> Option<f32> {
         AlphaMode::Mask(cutoff) if channel.is_alpha_weighted() => Some(cutoff),
         _ => None,
     }
-}
-
-fn canvas_of(asset: &Asset, material: usize) -> CanvasMesh {
-    let primitives = asset.meshes.iter().zip(0u32..).flat_map(|(mesh, mesh_number)| {
-        mesh.primitives.iter().zip(0u32..).map(move |(primitive, number)| (mesh_number, number, primitive))
-    });
-    let mut faces: Vec<_> = primitives
-        .filter(|(_, _, primitive)| primitive.material == Some(material))
-        .map(|(mesh, number, primitive)| {
-            let faces = primitive.faces.iter().map(|face| (face.corners, face.count));
-            (mesh, number, &primitive.positions, faces)
-        })
-        .collect();
-    build(faces.iter_mut().map(|(mesh, primitive, positions, faces)| Polygons {
-        mesh: *mesh,
-        primitive: *primitive,
-        positions,
-        faces,
-    }))
-}
-
-fn normals_of(asset: &Asset, canvas: &CanvasMesh) -> Vec<[Vec3; 4]> {
-    let of_face = |face: &CanvasFace| {
-        let primitive = &asset.meshes[face.mesh as usize].primitives[face.primitive as usize];
-        corner_normals(primitive, &primitive.faces[face.face as usize])
-    };
-    canvas.faces.iter().map(of_face).collect()
-}
-
-/// Edges across which two triangles may become one quad: no channel cuts them, and with a normal map both
-/// sides have the same normals there, since the texels of the diagonal are stored once.
-fn mergeable(canvas: &CanvasMesh, cuts: &[Cuts], normals: Option<&[[Vec3; 4]]>) -> Vec<bool> {
-    let one = |(number, edge): (usize, &CanvasEdge)| {
-        let &[a, b] = canvas.sides(edge) else { return false };
-        let same_normals = |normals: &[[Vec3; 4]]| {
-            (0..2).all(|end| {
-                let normal = |side: Side| normals[side.face as usize][canvas.corner_at_end(side, end)];
-                normal(a) == normal(b)
-            })
-        };
-        !cuts.iter().any(|cuts| cuts.edges[number]) && normals.is_none_or(same_normals)
-    };
-    canvas.edges.iter().enumerate().map(one).collect()
-}
-
-/// The edge that a triangle would put on its diagonal if it stays alone: one with nothing on the other side
-/// where there is one, so that the border texels bind nobody.
-fn diagonals(canvas: &CanvasMesh, cuts: &[Cuts]) -> Vec<u8> {
-    let burden = |edge: u32| {
-        let edge = edge as usize;
-        if canvas.sides(&canvas.edges[edge]).len() == 1 {
-            return 0;
-        }
-        cuts.iter().filter(|cuts| !cuts.edges[edge]).count()
-    };
-    let least =
-        |face: &CanvasFace| (0..face.count).min_by_key(|&k| burden(face.edges[usize::from(k)])).unwrap_or(0);
-    canvas.faces.iter().map(least).collect()
-}
-
-fn frames_of(
-    canvas: &CanvasMesh,
-    normals: &[[Vec3; 4]],
-    layout: &Layout,
-    channels: &[SourceChannel<'_>],
-) -> NormalFrames {
-    let scale = channels.iter().find_map(SourceChannel::normal_scale);
-    let partner = |face: usize| match layout.block(face).kind {
-        BlockKind::Merged([first, second]) if first as usize == face => Some(second as usize),
-        BlockKind::Merged([first, _]) => Some(first as usize),
-        _ => None,
-    };
-    choose_frames(canvas, normals, partner, scale.unwrap_or(1.0))
 }

@@ -1,5 +1,6 @@
 //! The table of contents: one asset's journey through the stages.
 
+mod arrange;
 mod assemble;
 mod bare_normals;
 mod changes;
@@ -7,6 +8,7 @@ mod channel;
 mod compression;
 mod material;
 pub mod options;
+mod prepare;
 mod progress;
 mod report;
 mod represent;
@@ -14,6 +16,7 @@ mod represent;
 mod tests;
 
 pub use crate::assign::{Range, Rounding};
+pub use crate::layout::Coordinates;
 pub use crate::measure::Focus;
 pub use crate::mip::{Beyond, MipFilter};
 pub use crate::resample::{Resolution, Sampling};
@@ -26,17 +29,22 @@ use crate::error::{Error, ErrorCode, Result};
 use crate::finished::{self, Finished};
 use crate::measure::{self, Report, SubjectKind};
 use crate::read::{Limits, Upload, read};
+use crate::source::channels;
 use crate::watch::{self, Stage, Watch};
 use crate::write::{self, BundleFile};
 
+use arrange::arrange_all;
 use assemble::assemble;
 use material::{MaterialConversion, convert_material};
+use prepare::prepare;
 use progress::Progress;
 
 /// Shares of the whole journey; writing has the rest.
 const READ_SHARE: f32 = 0.05;
 const CONVERSION_SHARE: f32 = 0.7;
 const MEASURE_SHARE: f32 = 0.15;
+/// Of the conversion: what comes before any channel's samples.
+const PREPARED_SHARE: f32 = 0.2;
 
 /// The version that stands in reports and manifests.
 pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -110,10 +118,10 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     let glb = write::glb_of(asset, &finished, pngs, watch)?;
     let focus = measured.focus;
     let converted = report::Converted { asset, finished: &finished, materials: &materials };
-    let mut report = report::of_conversion(&converted, measured, options, glb.len() as u64);
+    let mut report = report::of_conversion(&converted, measured, options, &glb);
     report.compression = blocks.map(|blocks| blocks.reports).unwrap_or_default();
     let mut files = vec![
-        BundleFile { path: "asset.glb".into(), bytes: glb },
+        BundleFile { path: "asset.glb".into(), bytes: glb.bytes },
         BundleFile { path: "report.json".into(), bytes: report::to_bytes(&report)? },
     ];
     files.extend(loose);
@@ -129,13 +137,14 @@ fn convert_materials(
     watch: &dyn Watch,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<MaterialConversion>> {
-    let mut materials = Vec::new();
-    for material in 0..asset.materials.len() {
+    let channels: Vec<_> = (0..asset.materials.len()).map(|material| channels(asset, material)).collect();
+    let mut prepared = Vec::new();
+    watch.stage(Stage::Resample);
+    for (material, channels) in channels.iter().enumerate() {
         watch::check(watch)?;
-        progress.part(CONVERSION_SHARE / asset.materials.len() as f32);
-        materials.extend(convert_material(asset, material, options, limits, watch, progress)?);
+        prepared.extend(prepare(asset, material, channels, options, watch)?);
     }
-    if materials.is_empty() {
+    if prepared.is_empty() {
         let detail = format!(
             "the model has {} materials and none of them has both a texture in one of the five core slots and faces; \
              give it a textured material",
@@ -143,7 +152,14 @@ fn convert_materials(
         );
         return Err(Error::new(ErrorCode::NothingToConvert, detail).at("/materials"));
     }
-    Ok(materials)
+    progress.part(CONVERSION_SHARE);
+    progress.advance(PREPARED_SHARE);
+    watch.stage(Stage::Layout);
+    let arranged = arrange_all(asset, &prepared, options, limits, watch)?;
+    progress.part(CONVERSION_SHARE * (1.0 - PREPARED_SHARE) / prepared.len() as f32);
+    let each = prepared.into_iter().zip(arranged);
+    each.map(|(prepared, arranged)| convert_material(asset, prepared, arranged, options, watch, progress))
+        .collect()
 }
 
 /// Measures a model: a converted file by its own coordinates, a plain source by its mip maps.

@@ -1,6 +1,7 @@
 //! The options of a conversion, each defined once: flags, HTTP fields, OpenAPI and the docs come from
 //! [`OPTIONS`].
 
+mod table;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -11,12 +12,18 @@ use serde_json::{Map, Value};
 
 use crate::assign::{Range, Rounding};
 use crate::error::{Error, ErrorCode, Result};
+use crate::layout::Coordinates;
 use crate::mip::{Beyond, MipFilter};
 use crate::resample::{Resolution, Sampling};
 use crate::solve::Solver;
 use crate::write::textures::{BlockFormat, TextureFormat};
 
-use text::{NONE, in_range, list, name_of, named, names, parse_list};
+use table::{
+    BEYONDS, BLOCKS, COORDINATES, MIP_FILTERS, QUALITIES, RANGES, ROUNDINGS, SAMPLINGS, SOLVERS, TEXELS_MAX,
+    TEXTURES,
+};
+pub use table::{OPTIONS, OptionSpec};
+use text::{NONE, in_range, list, name_of, named, optional, parse_list};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -24,11 +31,16 @@ pub struct Options {
     pub quality: Quality,
     pub sampling: Sampling,
     pub resolution: Resolution,
+    /// Faces get no finer samples than keep them within so many codes of the source.
+    pub max_error: Option<f32>,
+    /// Level 0 of all materials together has no more texels than this.
+    pub texels: Option<u64>,
     pub mip: MipFilter,
     pub beyond: Beyond,
     pub solver: Solver,
     pub range: Range,
     pub rounding: Rounding,
+    pub coordinates: Coordinates,
     /// Edges whose two sides differ by more than this many codes are kept as cuts.
     pub cut_codes: f32,
     /// What the levels come along as, beside `asset.glb`.
@@ -51,151 +63,6 @@ pub enum Quality {
     Exact,
 }
 
-const QUALITIES: &[(&str, Quality)] =
-    &[("draft", Quality::Draft), ("standard", Quality::Standard), ("exact", Quality::Exact)];
-/// `filtered` takes a count behind a colon too.
-const SAMPLINGS: &[(&str, Sampling)] =
-    &[("point", Sampling::Point), ("filtered", Sampling::Filtered(None)), ("fitted", Sampling::Fitted)];
-const MIP_FILTERS: &[(&str, MipFilter)] = &[("uniform", MipFilter::Uniform), ("area", MipFilter::Area)];
-const BEYONDS: &[(&str, Beyond)] = &[("one-ring", Beyond::OneRing), ("heat", Beyond::Heat)];
-const SOLVERS: &[(&str, Solver)] = &[
-    ("clamp", Solver::Clamp),
-    ("local", Solver::Local),
-    ("global", Solver::Global),
-    ("exact", Solver::Exact),
-];
-const RANGES: &[(&str, Range)] =
-    &[("unorm8", Range::Unorm8), ("scaled16", Range::Scaled16), ("float16", Range::Float16)];
-const ROUNDINGS: &[(&str, Rounding)] = &[("nearest", Rounding::Nearest), ("rules", Rounding::Rules)];
-const TEXTURES: &[(&str, TextureFormat)] =
-    &[("png", TextureFormat::Png), ("ktx2", TextureFormat::Ktx2), ("exr", TextureFormat::Exr)];
-const BLOCKS: &[(&str, BlockFormat)] = &[
-    ("bc7", BlockFormat::Bc7),
-    ("bc5", BlockFormat::Bc5),
-    ("bc6h", BlockFormat::Bc6h),
-    ("astc", BlockFormat::Astc),
-];
-
-/// One option as every interface shows it.
-#[derive(Clone, Copy, Debug)]
-pub struct OptionSpec {
-    /// `--name` on the command line, the field's name over HTTP.
-    pub name: &'static str,
-    /// What stands for the value in help texts.
-    pub value_name: &'static str,
-    /// Without the option; of the preset `standard` where the option follows the quality.
-    pub default: &'static str,
-    /// Whether `quality` sets it too, for whoever doesn't name it.
-    pub follows_quality: bool,
-    /// The names that it takes, from the cheapest on; empty where it takes figures.
-    pub rungs: &'static [&'static str],
-    /// The values that are allowed, in words.
-    pub allowed: &'static str,
-    pub doc: &'static str,
-}
-
-pub const OPTIONS: &[OptionSpec] = &[
-    OptionSpec {
-        name: "quality",
-        value_name: "PRESET",
-        default: "standard",
-        follows_quality: false,
-        rungs: &names::<_, 3>(QUALITIES),
-        allowed: "draft, standard, exact",
-        doc: "A set of rungs, one of each ladder below, and a resolution; what is named by itself counts before it",
-    },
-    OptionSpec {
-        name: "sampling",
-        value_name: "RUNG",
-        default: "point",
-        follows_quality: true,
-        rungs: &names::<_, 3>(SAMPLINGS),
-        allowed: "point, filtered or filtered:K with K in 1..=16 (fetches along a side of a cell; without K, one for each source texel), fitted",
-        doc: "How a sample gets its value: one bilinear fetch, the source integrated against the sample's hat function, or the samples whose interpolation is nearest to the source",
-    },
-    OptionSpec {
-        name: "resolution",
-        value_name: "RULE",
-        default: "area:1",
-        follows_quality: true,
-        rungs: &[],
-        allowed: "area:F with F in 0.001..=64 (texels per source texel), fixed:R with R in 0..=12 (sides of 2^R segments), density:D with D in 1e-6..=1e9 (texels per world unit)",
-        doc: "How many samples a face gets",
-    },
-    OptionSpec {
-        name: "mip",
-        value_name: "RUNG",
-        default: "area",
-        follows_quality: true,
-        rungs: &names::<_, 2>(MIP_FILTERS),
-        allowed: "uniform, area",
-        doc: "How a coarse sample weighs the fine ones around it: by its hat function alone, or by their surface area too",
-    },
-    OptionSpec {
-        name: "beyond",
-        value_name: "RUNG",
-        default: "heat",
-        follows_quality: true,
-        rungs: &names::<_, 2>(BEYONDS),
-        allowed: "one-ring, heat",
-        doc: "How levels go on where a face is down to its vertices: the mean over neighboring vertices, or heat flow over the surface",
-    },
-    OptionSpec {
-        name: "solver",
-        value_name: "RUNG",
-        default: "global",
-        follows_quality: true,
-        rungs: &names::<_, 4>(SOLVERS),
-        allowed: "clamp, local, global, exact",
-        doc: "What is done about texels outside the format's range: clamp them, change samples face by face, the least change of the whole level, or the same by a library (slow)",
-    },
-    OptionSpec {
-        name: "range",
-        value_name: "RUNG",
-        default: "float16",
-        follows_quality: true,
-        rungs: &names::<_, 3>(RANGES),
-        allowed: "unorm8 (codes as the source has them), scaled16 (16 bits with a scale and a bias), float16",
-        doc: "How levels are stored where texels beyond vertex colors leave [0, 1], more than 5 % of the count of samples",
-    },
-    OptionSpec {
-        name: "rounding",
-        value_name: "RUNG",
-        default: "rules",
-        follows_quality: true,
-        rungs: &names::<_, 2>(ROUNDINGS),
-        allowed: "nearest, rules",
-        doc: "How samples become codes: each texel to the nearest, or samples first, so that texels made from them keep their rules",
-    },
-    OptionSpec {
-        name: "cut",
-        value_name: "CODES",
-        default: "8",
-        follows_quality: false,
-        rungs: &[],
-        allowed: "0..=255 (8-bit codes; 2 codes stand for 1 degree of a normal)",
-        doc: "Edges whose two sides differ by more than this at full resolution keep their two sides",
-    },
-    OptionSpec {
-        name: "textures",
-        value_name: "FORMATS",
-        default: NONE,
-        follows_quality: false,
-        rungs: &[],
-        allowed: "none, or one or several of png, ktx2, exr with commas between them",
-        doc: "The levels as loose files too, one for each, for engines that load textures by themselves",
-    },
-    OptionSpec {
-        name: "compress",
-        value_name: "FORMATS",
-        default: NONE,
-        follows_quality: false,
-        rungs: &[],
-        allowed: "none, or one or several of bc7 or astc (8 bits), bc5 (normal maps, two components of data), bc6h (levels in a range of their own, without alpha) with commas between them; textures has to have ktx2",
-        doc: "What the loose KTX2 files hold: blocks that GPUs decode as they sample, where a format fits the level. The two sides of an edge come out differently, and the report says by how much",
-    },
-];
-
 impl Options {
     /// The rungs of a preset, and the defaults of everything else.
     pub fn of(quality: Quality) -> Self {
@@ -203,11 +70,14 @@ impl Options {
             quality,
             sampling: Sampling::Point,
             resolution: Resolution::Area(1.0),
+            max_error: None,
+            texels: None,
             mip: MipFilter::Area,
             beyond: Beyond::Heat,
             solver: Solver::Global,
             range: Range::Float16,
             rounding: Rounding::Rules,
+            coordinates: Coordinates::Indexed,
             cut_codes: 8.0,
             textures: BTreeSet::new(),
             compress: BTreeSet::new(),
@@ -223,8 +93,8 @@ impl Options {
 
     /// Sets every rung to those of a preset.
     fn set_quality(&mut self, quality: Quality) {
-        let Self { cut_codes, textures, compress, .. } = self.clone();
-        *self = Self { cut_codes, textures, compress, ..Self::of(quality) };
+        let Self { cut_codes, max_error, texels, textures, compress, .. } = self.clone();
+        *self = Self { cut_codes, max_error, texels, textures, compress, ..Self::of(quality) };
     }
 
     /// Sets one option from its text form. `quality` sets all rungs, so it comes before them.
@@ -237,11 +107,19 @@ impl Options {
             "quality" => self.set_quality(named(QUALITIES, value).ok_or_else(refuse)?),
             "sampling" => self.sampling = parse_sampling(value).ok_or_else(refuse)?,
             "resolution" => self.resolution = parse_resolution(value).ok_or_else(refuse)?,
+            "max-error" => {
+                self.max_error = optional(value, |value| in_range(value, 0.01, 255.0)).ok_or_else(refuse)?
+            }
+            "texels" => {
+                let count = |value: &str| value.parse().ok().filter(|count| (1..=TEXELS_MAX).contains(count));
+                self.texels = optional(value, count).ok_or_else(refuse)?;
+            }
             "mip" => self.mip = named(MIP_FILTERS, value).ok_or_else(refuse)?,
             "beyond" => self.beyond = named(BEYONDS, value).ok_or_else(refuse)?,
             "solver" => self.solver = named(SOLVERS, value).ok_or_else(refuse)?,
             "range" => self.range = named(RANGES, value).ok_or_else(refuse)?,
             "rounding" => self.rounding = named(ROUNDINGS, value).ok_or_else(refuse)?,
+            "coordinates" => self.coordinates = named(COORDINATES, value).ok_or_else(refuse)?,
             "cut" => {
                 self.cut_codes = in_range(value, 0.0, 255.0).ok_or_else(refuse)?;
             }
@@ -308,11 +186,14 @@ impl Options {
             name_of(QUALITIES, self.quality).into(),
             sampling.into(),
             resolution.into(),
+            self.max_error.map_or(NONE.into(), |codes| f64::from(codes).into()),
+            self.texels.map_or(NONE.into(), Value::from),
             name_of(MIP_FILTERS, self.mip).into(),
             name_of(BEYONDS, self.beyond).into(),
             name_of(SOLVERS, self.solver).into(),
             name_of(RANGES, self.range).into(),
             name_of(ROUNDINGS, self.rounding).into(),
+            name_of(COORDINATES, self.coordinates).into(),
             f64::from(self.cut_codes).into(),
             list(TEXTURES, &self.textures).into(),
             list(BLOCKS, &self.compress).into(),

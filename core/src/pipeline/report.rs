@@ -45,12 +45,12 @@ pub fn of_conversion(
     converted: &Converted<'_>,
     measured: Measured,
     options: &Options,
-    converted_bytes: u64,
+    glb: &write::Glb,
 ) -> Report {
     let Converted { asset, finished, materials } = *converted;
     let mut report = of_check(asset, SubjectKind::Converted, Some(finished), measured, options);
-    report.growth.converted_bytes = converted_bytes;
-    report.growth.converted_vertices = write::vertex_count(asset, finished);
+    report.growth.converted_bytes = glb.bytes.len() as u64;
+    report.growth.converted_vertices = glb.vertex_count;
     report.warnings.extend(write::losses(asset, finished));
     report.warnings.extend(report.channels.iter().filter_map(unsolved));
     report.warnings.extend(materials.iter().flat_map(unfitted));
@@ -144,19 +144,20 @@ fn source_bytes(asset: &Asset) -> u64 {
 
 fn describe_layout(report: &mut LayoutReport, conversion: &MaterialConversion) {
     let kinds = || conversion.layout.blocks.iter().map(|block| block.kind);
-    report.quad_count = kinds().filter(|kind| matches!(kind, BlockKind::Quad(_))).count() as u64;
-    report.merged_pair_count = kinds().filter(|kind| matches!(kind, BlockKind::Merged(_))).count() as u64;
+    let quad_count = kinds().filter(|kind| matches!(kind, BlockKind::Quad(_))).count() as u64;
+    report.merged_pair_count = conversion.canvas.pair_count();
+    report.quad_count = quad_count - report.merged_pair_count;
     report.lone_triangle_count = kinds()
         .map(|kind| match kind {
             BlockKind::Lone(_) => 1,
             BlockKind::Twins(_) => 2,
-            BlockKind::Quad(_) | BlockKind::Merged(_) => 0,
+            BlockKind::Quad(_) => 0,
         })
         .sum();
-    report.face_count = conversion.canvas.faces.len() as u64;
+    report.face_count = conversion.canvas.faces.len() as u64 + report.merged_pair_count;
     report.exponents = vec![0; usize::from(conversion.resolutions.max()) + 1];
-    for &exponent in &conversion.resolutions.faces {
-        report.exponents[usize::from(exponent)] += 1;
+    for (face, &[r, s]) in conversion.canvas.faces.iter().zip(&conversion.resolutions.faces) {
+        report.exponents[usize::from(r.max(s))] += 1 + u64::from(face.is_pair());
     }
 }
 
@@ -182,11 +183,11 @@ impl Counts {
         let blocks = || materials.iter().flat_map(|conversion| &conversion.layout.blocks);
         let beyond = |conversion: &MaterialConversion| {
             let last = conversion.layout.level_count() - 1;
-            conversion.resolutions.faces.iter().filter(|&&exponent| usize::from(exponent) < last).count()
+            conversion.resolutions.faces.iter().filter(|&&[r, s]| usize::from(r.min(s)) < last).count()
         };
         Self {
             cut_edges: channels().flat_map(|channel| &channel.cuts.edges).filter(|cut| **cut).count(),
-            merged: blocks().filter(|block| matches!(block.kind, BlockKind::Merged(_))).count(),
+            merged: materials.iter().map(|conversion| conversion.canvas.pair_count() as usize).sum(),
             lone: blocks().filter(|block| block.kind.is_lone()).count(),
             beyond: materials.iter().map(beyond).sum(),
             normals: materials.iter().filter(|conversion| conversion.frames.is_some()).count(),

@@ -182,7 +182,7 @@ fn part(
     values.corners = fan_of.iter().map(|fans| fans.map(|fan| values.fans[fan as usize])).collect();
     for (system, solved) in systems.iter().zip(solved) {
         for change in &solved.faces {
-            for face in rules.faces(change.group) {
+            if let Some(face) = rules.face(change.group) {
                 let count = channel.numbering.canvas.faces[face].count();
                 for &(variable, value) in &change.values {
                     let (sample, component) = system.place(rules.variables()[variable as usize]);

@@ -108,12 +108,8 @@ fn jumps(asset: &Asset, finished: &Finished) -> Vec<f32> {
             let mut weights = Vec3::ZERO;
             weights[k] = 1.0 - t;
             weights[(k + 1) % 3] = t;
-            let value = bilinear(
-                image,
-                texture.transfer,
-                clamp,
-                primitive.triangles[triangle].place_at(weights, level),
-            );
+            let value =
+                bilinear(image, texture.transfer, clamp, primitive.place_at(triangle, weights, level));
             match texture.transfer {
                 Transfer::Srgb => value.xyz().map(crate::math::transfer::linear_to_srgb) * 255.0,
                 Transfer::Linear => value.xyz() * 255.0,

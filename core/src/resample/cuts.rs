@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::image::Transfer;
 use crate::math::transfer::linear_to_srgb;
 use crate::mesh::{CanvasEdge, CanvasMesh, Side};
-use crate::source::SurfaceSource;
+use crate::source::{SurfaceSource, edge_ends};
 use crate::watch::{self, Watch};
 
 /// An edge whose difference exceeds the threshold in the mean, or this many times it at the 95th
@@ -68,12 +68,23 @@ fn agree(
 /// Both ends of a side in texels, low end first.
 fn ends(source: &SurfaceSource<'_>, canvas: &CanvasMesh, side: Side) -> [glam::Vec2; 2] {
     let places = source.places(side.face as usize);
-    [places[canvas.corner_at_end(side, 0)], places[canvas.corner_at_end(side, 1)]]
+    [0, 1].map(|end| {
+        let (triangle, corner) = drawn_end(canvas, side, end);
+        places[triangle][corner]
+    })
+}
+
+/// The corner of a drawn triangle at an end of its side, low end first.
+fn drawn_end(canvas: &CanvasMesh, side: Side, end: usize) -> (usize, usize) {
+    let face = &canvas.faces[side.face as usize];
+    let edge = usize::from(side.edge);
+    let (triangle, ends) = edge_ends(face.count(), edge);
+    (triangle, ends[usize::from(face.is_reversed(edge) != (end == 1))])
 }
 
 /// Whether two sides show the same without looking: the same places, of normals in the same frames.
 fn is_same(source: &SurfaceSource<'_>, canvas: &CanvasMesh, a: Side, b: Side) -> bool {
-    let frame = |side: Side, end: usize| source.frame(side.face as usize, canvas.corner_at_end(side, end));
+    let frame = |side: Side, end: usize| source.frame(side.face as usize, drawn_end(canvas, side, end));
     ends(source, canvas, a) == ends(source, canvas, b) && (0..2).all(|end| frame(a, end) == frame(b, end))
 }
 

@@ -22,8 +22,7 @@ use super::gather::{Borders, cell_areas, gather_sums, interiors};
 use super::mass::{Mass, cell_index};
 use super::quadrature::{CellSums, Quadrature, Subject};
 use super::samples::strata_of;
-use super::shape::Shape;
-use crate::colors::LevelNumbering;
+use crate::colors::{LevelNumbering, Shape};
 use crate::error::Result;
 use crate::image::Pixels;
 use crate::math::mean::TRANSPARENT_WEIGHT;
@@ -94,7 +93,7 @@ fn integrate(
     let faces = interiors(numbering, inner).into_par_iter().zip(borders.parts()).enumerate();
     let integrate_face =
         |room: &mut Quadrature, (face, (interior, border)): (usize, (&mut [Vec4], &mut [Vec4]))| {
-            let shape = Shape::of(numbering, face);
+            let shape = numbering.shape(face);
             let strata = strata_of(source, numbering, face);
             let subject = Subject { source, numbering, face, strata, by_alpha: false, watch };
             let mut weights = Vec::new();
@@ -116,7 +115,7 @@ fn integrate(
 /// Multiplies a cell's color by its mean alpha and keeps that for the mass matrix.
 fn weigh_by_alpha(shape: Shape, cell: [u32; 2], sums: &mut CellSums, weights: &mut Vec<f32>) {
     let area = if shape.is_triangle { 0.5 } else { 1.0 };
-    let is_whole = shape.is_triangle && cell[0] + cell[1] + 1 < shape.segments;
+    let is_whole = shape.is_triangle && cell[0] + cell[1] + 1 < shape.segments[0];
     let first = cell_index(shape, cell);
     let end = first + if is_whole { 2 } else { 1 };
     weights.resize(weights.len().max(end), 0.0);

@@ -3,7 +3,6 @@
 use glam::{Vec4, Vec4Swizzles};
 use rayon::prelude::*;
 
-use super::shape::Shape;
 use crate::colors::LevelNumbering;
 use crate::math::mean::TRANSPARENT_WEIGHT;
 
@@ -21,7 +20,7 @@ pub fn mean(sum: Vec4, weight: f32, by_alpha: bool) -> Vec4 {
     }
 }
 
-/// One value for each border point of every face, in the order of [`Shape`].
+/// One value for each border point of every face, in the order of [`Shape`](crate::colors::Shape).
 pub struct Borders {
     values: Vec<Vec4>,
     first: Vec<usize>,
@@ -31,7 +30,7 @@ impl Borders {
     pub fn new(numbering: &LevelNumbering<'_>) -> Self {
         let mut first = vec![0];
         for face in 0..numbering.canvas.faces.len() {
-            first.push(first[face] + Shape::of(numbering, face).border_count());
+            first.push(first[face] + numbering.shape(face).border_count());
         }
         Self { values: vec![Vec4::ZERO; first[first.len() - 1]], first }
     }
@@ -64,7 +63,10 @@ pub fn cell_areas(numbering: &LevelNumbering<'_>) -> Vec<f32> {
     let total: f64 = faces.iter().map(|face| f64::from(face.area)).sum();
     let mean = total / faces.len() as f64;
     let share = |area: f32| if mean > 0.0 { (f64::from(area) / mean) as f32 } else { 1.0 };
-    let cells = |face: usize| (numbering.segments(face) as f32).powi(2);
+    let cells = |face: usize| {
+        let [n, m] = numbering.shape(face).segments;
+        n as f32 * m as f32
+    };
     faces.iter().enumerate().map(|(k, face)| share(face.area).max(AREA_FLOOR) / cells(k)).collect()
 }
 
@@ -82,7 +84,7 @@ impl Means<'_> {
     pub fn gather(&self, borders: &Borders, shared: &mut [Vec4]) {
         let add = |total: &mut (Vec4, f32), face: usize, at: usize, factor: f32| {
             let factor = factor * self.cell_areas[face];
-            let area = if self.is_point { 1.0 } else { Shape::of(self.numbering, face).hat_area(at) };
+            let area = if self.is_point { 1.0 } else { self.numbering.shape(face).hat_area(at) };
             total.0 += borders.of(face)[at] * factor;
             total.1 += area * factor;
         };
@@ -90,8 +92,8 @@ impl Means<'_> {
         fans.par_iter_mut().enumerate().for_each(|(fan, value)| {
             let mut total = (Vec4::ZERO, 0.0);
             for &(face, corner) in self.numbering.topology.corners(fan) {
-                let segments = self.numbering.segments(face as usize);
-                add(&mut total, face as usize, (u32::from(corner) * segments) as usize, 1.0);
+                let border = self.numbering.shape(face as usize).edge_first(corner.into());
+                add(&mut total, face as usize, border, 1.0);
             }
             *value = mean(total.0, total.1, self.by_alpha);
         });
@@ -117,14 +119,15 @@ pub fn gather_sums(numbering: &LevelNumbering<'_>, borders: &Borders, shared: &m
         let mut sum = Vec4::ZERO;
         for &(face, corner) in numbering.topology.corners(fan) {
             let (face, corner) = (face as usize, usize::from(corner));
-            let (border, n) = (borders.of(face), numbering.segments(face) as usize);
-            let count = numbering.canvas.faces[face].count();
-            sum += border[corner * n];
+            let (border, shape) = (borders.of(face), numbering.shape(face));
+            let count = shape.edge_count();
+            sum += border[shape.edge_first(corner)];
             for (edge, is_start) in [(corner, true), ((corner + count - 1) % count, false)] {
                 let strip = numbering.topology.strip_of[face][edge] as usize;
+                let n = shape.edge_segments(edge) as usize;
                 let step = n / numbering.strip_segments(strip) as usize;
                 for along in 1..step {
-                    let index = edge * n + if is_start { along } else { n - along };
+                    let index = shape.edge_first(edge) + if is_start { along } else { n - along };
                     sum += border[index] * (1.0 - along as f32 / step as f32);
                 }
             }
@@ -169,11 +172,12 @@ struct SideView {
 fn sides(numbering: &LevelNumbering<'_>, strip: usize) -> impl Iterator<Item = SideView> {
     numbering.topology.sides(&numbering.topology.strips[strip]).iter().map(move |side| {
         let (face, edge) = (side.face as usize, usize::from(side.edge));
-        let segments = numbering.segments(face);
+        let shape = numbering.shape(face);
+        let segments = shape.edge_segments(edge);
         SideView {
             face,
             segments,
-            first: edge as u32 * segments,
+            first: shape.edge_first(edge) as u32,
             reversed: numbering.canvas.faces[face].is_reversed(edge),
             step: segments / numbering.strip_segments(strip),
         }

@@ -8,8 +8,7 @@ use glam::Vec4;
 use rayon::prelude::*;
 
 use super::gather::{Borders, gather_sums, interiors};
-use super::shape::Shape;
-use crate::colors::LevelNumbering;
+use crate::colors::{LevelNumbering, Shape};
 use crate::error::Result;
 use crate::watch::{self, Watch};
 
@@ -23,7 +22,7 @@ pub struct Mass<'a> {
 
 /// Where a cell's first half stands among its face's cells; a triangle's second halves follow the first ones.
 pub fn cell_index(shape: Shape, [i, j]: [u32; 2]) -> usize {
-    let [i, j, n] = [i, j, shape.segments].map(|k| k as usize);
+    let [i, j, n] = [i, j, shape.segments[0]].map(|k| k as usize);
     if shape.is_triangle { j * (2 * n - j) + 2 * i } else { j * n + i }
 }
 
@@ -75,11 +74,12 @@ impl Mass<'_> {
         (interior, border): (&mut [Vec4], &mut [Vec4]),
         weight: impl Fn(usize) -> Vec4,
     ) {
-        let shape = Shape::of(self.numbering, face);
-        let n = shape.segments;
+        let shape = self.numbering.shape(face);
+        let [n, m] = shape.segments;
         room.border.clear();
         for edge in 0..shape.edge_count() {
-            let taps = (0..n).map(|along| self.numbering.edge_tap(face, edge, along).value(values));
+            let taps = (0..shape.edge_segments(edge))
+                .map(|along| self.numbering.edge_tap(face, edge, along).value(values));
             room.border.extend(taps);
         }
         let mut inner = values[self.numbering.face_range(face)].iter();
@@ -90,7 +90,7 @@ impl Mass<'_> {
             row.resize(side, Vec4::ZERO);
         }
         shape.take_row(0, &mut room.low, &mut inner, &room.border);
-        for j in 0..n {
+        for j in 0..m {
             let count = shape.point_count(j + 1) as usize;
             shape.take_row(j + 1, &mut room.high[..count], &mut inner, &room.border);
             let first = cell_index(shape, [0, j]);
@@ -104,7 +104,7 @@ impl Mass<'_> {
             std::mem::swap(&mut room.low_sum, &mut room.high_sum);
             room.high_sum.fill(Vec4::ZERO);
         }
-        shape.put_row(n, &room.low_sum[..shape.point_count(n) as usize], &mut slots, border);
+        shape.put_row(m, &room.low_sum[..shape.point_count(m) as usize], &mut slots, border);
     }
 }
 

@@ -3,18 +3,26 @@
 //! The ladder of [`Sampling`] (method: samples from a source): a fetch at the sample, the source against the
 //! sample's hat, or the fit of all samples at once.
 
+mod budget;
 mod cuts;
 mod fitted;
 mod gather;
 mod mass;
+mod pairing;
 mod quadrature;
+mod rate;
 mod resolution;
 mod samples;
-mod shape;
 #[cfg(test)]
 mod tests;
 
+pub use budget::{Candidates, Choice, spend};
 pub use cuts::find_cuts;
 pub use fitted::Fit;
+pub use pairing::pair_triangles;
+pub use rate::Rates;
 pub use resolution::{Resolution, resolutions};
 pub use samples::{Samples, Sampling, sample};
+
+/// Rows of cells that are in work at once, and columns of one window of texels.
+const BAND: u32 = 32;

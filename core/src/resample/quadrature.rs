@@ -6,8 +6,8 @@
 
 use glam::Vec4;
 
+use super::BAND;
 use super::gather::weighted;
-use super::shape::{BAND, Shape};
 use crate::colors::LevelNumbering;
 use crate::error::Result;
 use crate::source::{FaceReader, SurfaceSource};
@@ -98,16 +98,16 @@ impl Quadrature {
         mut weigh: impl FnMut([u32; 2], &mut CellSums),
         mut put: impl FnMut(u32, &[Vec4]),
     ) -> Result<()> {
-        let shape = Shape::of(subject.numbering, subject.face);
-        let n = shape.segments;
+        let shape = subject.numbering.shape(subject.face);
+        let [n, m] = shape.segments;
         self.set_rule(shape.is_triangle, subject.strata);
-        self.reader.open(subject.source, subject.numbering.canvas, subject.face, n);
+        self.reader.open(subject.source, subject.face, shape);
         let side = n as usize + 1;
         self.rows.clear();
-        self.rows.resize((BAND.min(n) as usize + 1) * side, Vec4::ZERO);
-        for bottom in (0..n).step_by(BAND as usize) {
+        self.rows.resize((BAND.min(m) as usize + 1) * side, Vec4::ZERO);
+        for bottom in (0..m).step_by(BAND as usize) {
             watch::check(subject.watch)?;
-            let top = (bottom + BAND).min(n);
+            let top = (bottom + BAND).min(m);
             for left in (0..shape.cell_count(bottom)).step_by(BAND as usize) {
                 let right = (left + BAND).min(n);
                 let fetches = points(shape.is_triangle).len() * (subject.strata as usize).pow(2);
@@ -126,7 +126,7 @@ impl Quadrature {
                     }
                 }
             }
-            for j in bottom..top + u32::from(top == n) {
+            for j in bottom..top + u32::from(top == m) {
                 let first = (j - bottom) as usize * side;
                 put(j, &self.rows[first..first + shape.point_count(j) as usize]);
             }
@@ -143,7 +143,7 @@ impl Quadrature {
         self.cells.clear();
         self.cells.resize(cells.len(), CellSums::default());
         let scale = 1.0 / strata as f32;
-        let segments = subject.numbering.segments(subject.face);
+        let [segments, _] = subject.numbering.shape(subject.face).segments;
         let mut hats = self.hats.chunks_exact(strata as usize);
         for b in j * strata..(j + 1) * strata {
             for (number, (&[x, y], hats)) in points(self.is_triangle).iter().zip(&mut hats).enumerate() {

@@ -7,11 +7,11 @@
 use glam::Vec4;
 use rayon::prelude::*;
 
+use super::BAND;
 use super::fitted::{Fit, fit};
 use super::gather::{Borders, Means, cell_areas, interiors, mean, weighted};
 use super::quadrature::{Quadrature, Subject};
-use super::shape::{BAND, Shape};
-use crate::colors::LevelNumbering;
+use crate::colors::{LevelNumbering, Shape};
 use crate::error::Result;
 use crate::source::SurfaceSource;
 use crate::watch::{self, Watch};
@@ -71,14 +71,14 @@ fn point(
 ) -> Result<Vec<Vec4>> {
     let by_alpha = source.channel.is_alpha_weighted();
     gathered(source, numbering, room, true, |room, face, interior, border| {
-        let shape = Shape::of(numbering, face);
-        let n = shape.segments;
-        room.reader.open(source, numbering.canvas, face, n);
+        let shape = numbering.shape(face);
+        let [n, m] = shape.segments;
+        room.reader.open(source, face, shape);
         let mut slots = interior.iter_mut();
-        for bottom in (0..n).step_by(BAND as usize) {
+        for bottom in (0..m).step_by(BAND as usize) {
             watch::check(watch)?;
-            let top = (bottom + BAND).min(n);
-            let last = if top == n { top } else { top - 1 };
+            let top = (bottom + BAND).min(m);
+            let last = if top == m { top } else { top - 1 };
             fetch_band(source, room, shape, [bottom, last]);
             for (j, row) in (bottom..=last).zip(room.rows.chunks_exact(n as usize + 1)) {
                 shape.put_row(j, &row[..shape.point_count(j) as usize], &mut slots, border);
@@ -93,12 +93,13 @@ fn point(
 
 /// Fetches the rows from `first` to `last` into `room.rows`.
 fn fetch_band(source: &SurfaceSource<'_>, room: &mut Quadrature, shape: Shape, [first, last]: [u32; 2]) {
-    let side = shape.segments + 1;
-    room.rows.resize((BAND.min(shape.segments) * side + side) as usize, Vec4::ZERO);
+    let [n, m] = shape.segments;
+    let side = n + 1;
+    room.rows.resize((BAND.min(m) * side + side) as usize, Vec4::ZERO);
     for left in (0..shape.point_count(first)).step_by(BAND as usize) {
         let right = (left + BAND).min(side);
         let count = (right - left) * (last + 1 - first);
-        let most = [right.min(shape.segments), last];
+        let most = [right.min(n), last];
         room.reader.open_window(source, [left, first], most, count as usize);
         for (j, row) in (first..=last).zip(room.rows.chunks_exact_mut(side as usize)) {
             let end = right.min(shape.point_count(j));
@@ -119,7 +120,7 @@ fn filtered(
 ) -> Result<Vec<Vec4>> {
     let by_alpha = source.channel.is_alpha_weighted();
     let mut values = gathered(source, numbering, room, false, |room, face, interior, border| {
-        let shape = Shape::of(numbering, face);
+        let shape = numbering.shape(face);
         let strata = strata.map_or_else(|| strata_of(source, numbering, face), u32::from);
         let subject = Subject { source, numbering, face, strata, by_alpha, watch };
         let mut slots = interior.iter_mut();
@@ -138,12 +139,10 @@ fn filtered(
 
 /// Strata along a side of a cell: one for each source texel, by area.
 pub fn strata_of(source: &SurfaceSource<'_>, numbering: &LevelNumbering<'_>, face: usize) -> u32 {
-    let Shape { is_triangle, segments } = Shape::of(numbering, face);
-    let [a, b, c, d] = *source.places(face);
-    // Twice the area of a triangle, that of a quad: what `segments²` cells share.
-    let area = if is_triangle { (b - a).perp_dot(c - a) } else { 0.5 * (c - a).perp_dot(d - b) };
-    let strata = (area.abs().sqrt() / segments as f32).round().clamp(1.0, STRATA_MAX) as u32;
-    strata.min((STRATA_PER_SIDE_MAX / segments).max(1))
+    let shape = numbering.shape(face);
+    let texels = source.area_texels(numbering.canvas, face) / shape.square_count();
+    let strata = texels.sqrt().round().clamp(1.0, STRATA_MAX) as u32;
+    strata.min((STRATA_PER_SIDE_MAX / shape.segments[0].max(shape.segments[1])).max(1))
 }
 
 /// Fills every face's interior and border, then gathers what is shared.

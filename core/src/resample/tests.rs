@@ -12,7 +12,7 @@ use crate::watch::Unwatched;
 
 /// Two triangles that share the edge from (1, 0) to (0, 1), each with texture coordinates of its own, as
 /// data (linear codes).
-fn two_charts(image: Image, first: [[f32; 2]; 3], second: [[f32; 2]; 3]) -> Asset {
+pub(super) fn two_charts(image: Image, first: [[f32; 2]; 3], second: [[f32; 2]; 3]) -> Asset {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.0, 0.0), Vec3::Y, Vec3::X];
     let primitive = Primitive {
         material: Some(0),
@@ -33,14 +33,14 @@ fn two_charts(image: Image, first: [[f32; 2]; 3], second: [[f32; 2]; 3]) -> Asse
     }
 }
 
-fn canvas_of(asset: &Asset) -> CanvasMesh {
+pub(super) fn canvas_of(asset: &Asset) -> CanvasMesh {
     let primitive = &asset.meshes[0].primitives[0];
     let mut faces = primitive.faces.iter().map(|face| (face.corners, face.count));
     build([Polygons { mesh: 0, primitive: 0, positions: &primitive.positions, faces: &mut faces }])
 }
 
 /// 16 by 16 texels of `code(x, y)`.
-fn image(code: impl Fn(u32, u32) -> u8) -> Image {
+pub(super) fn image(code: impl Fn(u32, u32) -> u8) -> Image {
     let pixels = (0..256).flat_map(|k| [code(k % 16, k / 16); 3]).collect();
     Image { width: 16, height: 16, components: 3, pixels: Pixels::U8(pixels) }
 }
@@ -50,7 +50,7 @@ fn samples(asset: &Asset, exponent: u8, kernel: Sampling) -> (Vec<Vec4>, Cuts) {
     let channels = channels(asset, 0);
     let source = SurfaceSource::new(&channels[0], asset, &canvas);
     let cuts = find_cuts(&source, &canvas, 8.0, &Unwatched).unwrap();
-    let resolutions = Resolutions { faces: vec![exponent; 2] };
+    let resolutions = Resolutions::uniform(vec![exponent; 2]);
     let topology = ChannelTopology::new(&canvas, &resolutions, &cuts);
     let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
     (sample(&source, &numbering, Vec::new(), kernel, &Unwatched).unwrap().values, cuts)
@@ -91,7 +91,7 @@ fn the_hat_keeps_what_is_linear() {
         let (hat, _) = samples(&asset, exponent, Sampling::Filtered(None));
         assert!(cuts.edges.iter().all(|cut| !cut), "one chart");
         let canvas = canvas_of(&asset);
-        let resolutions = Resolutions { faces: vec![exponent; 2] };
+        let resolutions = Resolutions::uniform(vec![exponent; 2]);
         let topology = ChannelTopology::new(&canvas, &resolutions, &cuts);
         let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
         for sample in numbering.shared_count()..numbering.sample_count() {
@@ -135,17 +135,18 @@ fn exponents_follow_their_rule() {
     let canvas = canvas_of(&asset);
     let channels = channels(&asset, 0);
     let sources = [SurfaceSource::new(&channels[0], &asset, &canvas)];
-    let with = |rule| resolutions(rule, &asset, &canvas, &sources).faces;
+    let with = |rule| resolutions(rule, true, &asset, &canvas, &sources).faces;
     // Half of 256 texels is half of n² cells at n = 16; 0.3 of that side is 4.8 texels.
-    assert_eq!(with(Resolution::Area(1.0)), [4, 2]);
-    assert_eq!(with(Resolution::Area(4.0)), [5, 3]);
-    assert_eq!(with(Resolution::Fixed(3)), [3, 3]);
+    assert_eq!(with(Resolution::Area(1.0)), [[4; 2], [2; 2]]);
+    assert_eq!(with(Resolution::Area(4.0)), [[5; 2], [3; 2]]);
+    assert_eq!(with(Resolution::Fixed(3)), [[3; 2], [3; 2]]);
     // Sides of 1 unit stand at three times that in the scene.
-    assert_eq!(with(Resolution::Density(10.0)), [5, 5]);
+    assert_eq!(with(Resolution::Density(10.0)), [[5; 2], [5; 2]]);
     // A flattened instance has no volume, but its faces have their area.
     let mut flat = asset.clone();
     flat.instances[0].transform = glam::Affine3A::from_scale(Vec3::new(3.0, 3.0, 0.0));
-    assert_eq!(resolutions(Resolution::Density(10.0), &flat, &canvas, &sources).faces, [5, 5]);
+    let flattened = resolutions(Resolution::Density(10.0), true, &flat, &canvas, &sources);
+    assert_eq!(flattened.faces, [[5; 2]; 2]);
 }
 
 /// Models of any size, down to none at all, are sampled alike.
@@ -170,7 +171,7 @@ fn large_faces_are_read_as_small_ones() {
         let canvas = canvas_of(&asset);
         let channels = channels(&asset, 0);
         let source = SurfaceSource::new(&channels[0], &asset, &canvas);
-        let resolutions = Resolutions { faces: vec![6; 2] };
+        let resolutions = Resolutions::uniform(vec![6; 2]);
         let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
         let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
         let point = sample(&source, &numbering, Vec::new(), Sampling::Point, &Unwatched).unwrap().values;

@@ -21,7 +21,7 @@ const RANK: f64 = 1e-13;
 /// What faces store instead of the shared values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceChange {
-    /// The group of rules; [`Rules::faces`] tells whose it is.
+    /// The group of rules; [`Rules::face`] tells whose it is.
     pub group: usize,
     /// Variable and value.
     pub values: Vec<(u32, f64)>,
@@ -64,7 +64,7 @@ pub fn solve_locally(problem: &Problem<'_>) -> LocalSolution {
 /// edge samples. Returns the number of rounds.
 fn sweep_borders(rules: &Rules, values: &mut [f64]) -> u64 {
     let borders: Vec<usize> = (0..rules.group_count())
-        .filter(|&group| rules.faces(group).next().is_none())
+        .filter(|&group| rules.face(group).is_none())
         .flat_map(|group| rules.group(group))
         .collect();
     for sweep in 0..SWEEPS_MAX {
@@ -93,7 +93,7 @@ fn sweep_borders(rules: &Rules, values: &mut [f64]) -> u64 {
 fn solve_group(rules: &Rules, group: usize, shared: &[f64]) -> (Option<FaceChange>, f64) {
     let rows: Vec<usize> = rules.group(group).collect();
     let values: Vec<f64> = rows.iter().map(|&row| rules.value(row, shared)).collect();
-    let is_border = rules.faces(group).next().is_none();
+    let is_border = rules.face(group).is_none();
     let worst = values.iter().map(|&value| violation(value)).fold(0.0, f64::max);
     if is_border || worst <= TOLERANCE {
         return (None, worst);

@@ -5,4 +5,4 @@ pub mod tangents;
 pub mod texture;
 
 pub use reader::FaceReader;
-pub use texture::{ChannelKind, SourceChannel, SurfaceSource, channels};
+pub use texture::{ChannelKind, SourceChannel, SurfaceSource, channels, edge_ends};

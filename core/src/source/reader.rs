@@ -6,9 +6,9 @@
 use glam::{Mat4, Vec2, Vec3, Vec4, Vec4Swizzles};
 
 use super::SurfaceSource;
+use crate::colors::Shape;
 use crate::image::{Tile, bilinear};
 use crate::math::frame::Frame;
-use crate::mesh::CanvasMesh;
 
 /// A window whose texels are more than this many for each fetch is read texel by texel.
 const TEXELS_PER_FETCH: f32 = 8.0;
@@ -22,8 +22,8 @@ const SHORTEST_SQUARED: f32 = 1e-8;
 pub struct FaceReader {
     face: usize,
     is_triangle: bool,
-    segments: f32,
-    /// The drawn triangles: a triangle has one, a quad one for `y <= x` and one for `y > x`.
+    segments: [f32; 2],
+    /// The drawn triangles: a triangle has one, a quad one below its diagonal (and on it) and one above.
     pieces: [Piece; 2],
     tile: Tile,
     is_tiled: bool,
@@ -38,7 +38,8 @@ struct Affine<T> {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Piece {
-    corners: [usize; 3],
+    /// Which drawn triangle.
+    triangle: usize,
     place: Affine<Vec2>,
     normal: Affine<Vec3>,
     tangent: Affine<Vec3>,
@@ -46,20 +47,20 @@ struct Piece {
 }
 
 impl FaceReader {
-    /// Turns to a face whose sides have so many segments.
-    pub fn open(&mut self, source: &SurfaceSource<'_>, canvas: &CanvasMesh, face: usize, segments: u32) {
+    /// Turns to a face, to read it on a grid.
+    pub fn open(&mut self, source: &SurfaceSource<'_>, face: usize, shape: Shape) {
         self.face = face;
-        self.is_triangle = canvas.faces[face].is_triangle();
-        self.segments = segments as f32;
+        self.is_triangle = shape.is_triangle;
+        self.segments = shape.segments.map(|segments| segments as f32);
         self.is_tiled = false;
-        let scale = 1.0 / self.segments;
-        let numbers = if self.is_triangle { [[0, 1, 2]; 2] } else { [[0, 1, 2], [0, 2, 3]] };
-        for (number, (piece, corners)) in self.pieces.iter_mut().zip(numbers).enumerate() {
-            let kind = if self.is_triangle { 2 } else { number };
-            let [a, b, c] = corners.map(|corner| source.places(face)[corner]);
-            *piece = Piece { corners, place: Affine { at: a, along: steps(kind, a, b, c, scale) }, ..*piece };
+        let scale = self.segments.map(f32::recip);
+        for (triangle, piece) in self.pieces.iter_mut().enumerate() {
+            let kind = if self.is_triangle { 2 } else { triangle };
+            let [a, b, c] = source.places(face)[triangle];
+            *piece =
+                Piece { triangle, place: Affine { at: a, along: steps(kind, a, b, c, scale) }, ..*piece };
             if source.channel.is_normal() {
-                let [a, b, c] = corners.map(|corner| source.frames[face][corner]);
+                let [a, b, c] = source.frames[face][triangle];
                 let normals = steps(kind, a.normal, b.normal, c.normal, scale);
                 let [ta, tb, tc] = [a, b, c].map(|frame| frame.tangent.xyz());
                 piece.normal = Affine { at: a.normal, along: normals };
@@ -79,8 +80,8 @@ impl FaceReader {
         fetch_count: usize,
     ) {
         let mut bounds = [Vec2::INFINITY, Vec2::NEG_INFINITY];
-        let is_finite = self.outline(least, most).into_iter().all(|[x, y]| {
-            let place = self.pieces[usize::from(!self.is_triangle && y > x)].place.at(x, y);
+        let is_finite = self.outline(least, most).into_iter().all(|(piece, [x, y])| {
+            let place = self.pieces[piece].place.at(x, y);
             bounds = [bounds[0].min(place), bounds[1].max(place)];
             place.is_finite()
         });
@@ -92,19 +93,34 @@ impl FaceReader {
         }
     }
 
-    /// Corners of the part of a window that lies on the face, with the ends of a quad's diagonal.
-    fn outline(&self, least: [u32; 2], most: [u32; 2]) -> [[f32; 2]; 6] {
+    /// Corners of the parts of a window that lie on each drawn triangle, with its number.
+    fn outline(&self, least: [u32; 2], most: [u32; 2]) -> [(usize, [f32; 2]); 8] {
         let [[x0, y0], [x1, y1]] = [least, most].map(|at| at.map(|v| v as f32));
         if self.is_triangle {
-            let n = self.segments;
+            let [n, _] = self.segments;
             let (x1, y1) = (x1.min(n - y0), y1.min(n - x0));
             let (right, top) = ([x1, y1.min(n - x1)], [x1.min(n - y1), y1]);
-            [[x0, y0], [x1, y0], [x0, y1], right, top, [x0, y0]]
+            let first = [x0, y0];
+            [first, [x1, y0], [x0, y1], right, top, first, first, first].map(|at| (0, at))
         } else {
-            let (low, high) = (x0.max(y0), x1.min(y1));
-            let diagonal = if low <= high { [[low, low], [high, high]] } else { [[x0, y0], [x1, y1]] };
-            [[x0, y0], [x1, y0], [x0, y1], [x1, y1], diagonal[0], diagonal[1]]
+            // Where the diagonal crosses the window, by its share of the face.
+            let [n, m] = self.segments;
+            let (low, high) = ((x0 / n).max(y0 / m), (x1 / n).min(y1 / m));
+            let at = |share: f32| [share * n, share * m];
+            let corner = |x: f32, y: f32| (usize::from(self.is_above(x, y)), [x, y]);
+            let first = corner(x0, y0);
+            let [a, b, c, d] = match low <= high {
+                true => [(0, at(low)), (0, at(high)), (1, at(low)), (1, at(high))],
+                false => [first; 4],
+            };
+            [first, corner(x1, y0), corner(x0, y1), corner(x1, y1), a, b, c, d]
         }
+    }
+
+    /// Whether a point of a quad lies on its second drawn triangle.
+    fn is_above(&self, x: f32, y: f32) -> bool {
+        let [n, m] = self.segments;
+        y * n > x * m
     }
 
     /// The values at `x, x + step, x + 2 step, …` on the row `y`, in grid coordinates (segments).
@@ -112,7 +128,8 @@ impl FaceReader {
         if self.is_triangle {
             return self.piece_row(source, &self.pieces[0], [x, y], step, values);
         }
-        let above = (((y - x) / step).ceil().max(0.0) as usize).min(values.len());
+        let [n, m] = self.segments;
+        let above = (((y * (n / m) - x) / step).ceil().max(0.0) as usize).min(values.len());
         let (high, low) = values.split_at_mut(above);
         self.piece_row(source, &self.pieces[1], [x, y], step, high);
         self.piece_row(source, &self.pieces[0], [x + above as f32 * step, y], step, low);
@@ -169,13 +186,13 @@ impl FaceReader {
         [x, y]: [f32; 2],
         (stored, scale): (Vec4, f32),
     ) -> Vec4 {
-        let [s, t] = [x, y].map(|v| v / self.segments);
-        let weights = match (self.is_triangle, piece.corners) {
+        let (s, t) = (x / self.segments[0], y / self.segments[1]);
+        let weights = match (self.is_triangle, piece.triangle) {
             (true, _) => Vec3::new(1.0 - s - t, s, t),
-            (false, [0, 1, 2]) => Vec3::new(1.0 - s, s - t, t),
+            (false, 0) => Vec3::new(1.0 - s, s - t, t),
             _ => Vec3::new(1.0 - t, s, t - s),
         };
-        let frame = Frame::blend(piece.corners.map(|corner| &source.frames[self.face][corner]), weights);
+        let frame = Frame::blend(source.frames[self.face][piece.triangle].each_ref(), weights);
         super::texture::decode_normal(stored.xyz(), scale, frame).extend(1.0)
     }
 }
@@ -236,14 +253,14 @@ impl Lanes {
 
 /// How the corners' values grow along both axes of the grid: of a quad's two triangles (0 and 1), or of a
 /// triangle (2); the same map as [`surface_point`](crate::mesh::surface_point).
-fn steps<T>(kind: usize, a: T, b: T, c: T, scale: f32) -> [T; 2]
+fn steps<T>(kind: usize, a: T, b: T, c: T, [along_i, along_j]: [f32; 2]) -> [T; 2]
 where
     T: Copy + std::ops::Sub<Output = T> + std::ops::Mul<f32, Output = T>,
 {
     match kind {
-        0 => [(b - a) * scale, (c - b) * scale],
-        1 => [(b - c) * scale, (c - a) * scale],
-        _ => [(b - a) * scale, (c - a) * scale],
+        0 => [(b - a) * along_i, (c - b) * along_j],
+        1 => [(b - c) * along_i, (c - a) * along_j],
+        _ => [(b - a) * along_i, (c - a) * along_j],
     }
 }
 

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 use crate::asset::{AlphaMode, Asset, Primitive, Slot, TextureRef};
 use crate::image::{Image, Transfer, Wrap, WrapMode, bilinear};
 use crate::math::frame::Frame;
-use crate::mesh::{CanvasMesh, surface_point};
+use crate::mesh::{CanvasFace, CanvasMesh, Drawn, Merged, surface_point};
 
 use super::tangents;
 
@@ -96,56 +96,117 @@ impl SourceChannel<'_> {
 /// A channel bound to a canvas: its value at any point of any face.
 pub struct SurfaceSource<'a> {
     pub channel: &'a SourceChannel<'a>,
-    /// Corner places in texels, by face.
-    places: Vec<[Vec2; 4]>,
-    /// Corner frames by face; of normal channels only.
-    pub(super) frames: Vec<[Frame; 4]>,
+    /// Corner places in texels, by face and drawn triangle.
+    places: Vec<Drawings<Vec2>>,
+    /// Corner frames by face and drawn triangle; of normal channels only.
+    pub(super) frames: Vec<Drawings<Frame>>,
 }
+
+/// What stands at the corners of a face's drawn triangles; a triangle's second repeats its first. Where a pair of
+/// triangles became a quad, the two may differ at the ends of its diagonal.
+pub type Drawings<T> = [[T; 3]; 2];
 
 impl<'a> SurfaceSource<'a> {
     pub fn new(channel: &'a SourceChannel<'a>, asset: &Asset, canvas: &CanvasMesh) -> Self {
         let places = canvas.faces.iter().map(|face| {
-            let primitive = &asset.meshes[face.mesh as usize].primitives[face.primitive as usize];
-            let corners = &primitive.faces[face.face as usize].corners;
-            near_origin(corners.map(|vertex| channel.place_texels(primitive, vertex)), channel)
+            drawings(face, |drawn| {
+                let primitive = &asset.meshes[face.mesh as usize].primitives[drawn.primitive as usize];
+                let vertices = &primitive.faces[drawn.face as usize].corners;
+                let place = |corner: u8| channel.place_texels(primitive, vertices[usize::from(corner)]);
+                near_origin(drawn.corners.map(place), channel)
+            })
         });
         let frames = if channel.is_normal() { corner_frames(channel, asset, canvas) } else { Vec::new() };
         Self { channel, places: places.collect(), frames }
     }
 
-    /// Corner places of a face in texels.
-    pub fn places(&self, face: usize) -> &[Vec2; 4] {
+    /// The same channel on a canvas whose triangles stand in pairs.
+    pub fn merged(&self, merged: &Merged) -> Self {
+        Self {
+            channel: self.channel,
+            places: merged_drawings(&self.places, merged),
+            frames: if self.frames.is_empty() { Vec::new() } else { merged_drawings(&self.frames, merged) },
+        }
+    }
+
+    /// Corner places of a face's drawn triangles in texels.
+    pub fn places(&self, face: usize) -> &Drawings<Vec2> {
         &self.places[face]
     }
 
-    /// The frame at a corner of a face; of normal channels only.
-    pub fn frame(&self, face: usize, corner: usize) -> Option<&Frame> {
-        self.frames.get(face).map(|frames| &frames[corner])
+    /// Places of a face's drawn triangles, each once.
+    pub fn triangles<'s>(&'s self, canvas: &CanvasMesh, face: usize) -> &'s [[Vec2; 3]] {
+        &self.places[face][..canvas.faces[face].drawn_corners().len()]
+    }
+
+    /// Lengths of a quad's edges in texels of the image.
+    pub fn quad_sides(&self, face: usize) -> [f32; 4] {
+        let [[a, b, c], [d, e, f]] = self.places[face];
+        [a.distance(b), b.distance(c), e.distance(f), f.distance(d)]
+    }
+
+    /// Area of a face in texels of the image, overlaps counted.
+    pub fn area_texels(&self, canvas: &CanvasMesh, face: usize) -> f32 {
+        let doubled = |[a, b, c]: &[Vec2; 3]| (*b - *a).perp_dot(*c - *a).abs();
+        0.5 * self.triangles(canvas, face).iter().map(doubled).sum::<f32>()
+    }
+
+    /// The frame at a corner of a drawn triangle; of normal channels only.
+    pub fn frame(&self, face: usize, (triangle, corner): (usize, usize)) -> Option<&Frame> {
+        self.frames.get(face).map(|frames| &frames[triangle][corner])
     }
 
     /// The value at `(s, t)` of the face's unit domain: linear light, data, or an object-space unit normal
     /// (with `w` 1).
     pub fn at(&self, canvas: &CanvasMesh, face: usize, s: f32, t: f32) -> Vec4 {
-        let (corners, weights) = surface_point(canvas.faces[face].count(), s, t);
-        self.at_weights(face, corners, weights)
+        let (triangle, weights) = surface_point(canvas.faces[face].count(), s, t);
+        self.at_weights(face, triangle, weights)
     }
 
     /// The value at `t` in [0, 1] along an edge of the face, from its first corner.
     pub fn along_edge(&self, canvas: &CanvasMesh, face: usize, edge: usize, t: f32) -> Vec4 {
-        let next = (edge + 1) % canvas.faces[face].count();
-        self.at_weights(face, [edge, next, next], Vec3::new(1.0 - t, t, 0.0))
+        let (triangle, [from, to]) = edge_ends(canvas.faces[face].count(), edge);
+        let mut weights = Vec3::ZERO;
+        weights[from] = 1.0 - t;
+        weights[to] = t;
+        self.at_weights(face, triangle, weights)
     }
 
-    fn at_weights(&self, face: usize, corners: [usize; 3], weights: Vec3) -> Vec4 {
-        let places = &self.places[face];
-        let place =
-            places[corners[0]] * weights.x + places[corners[1]] * weights.y + places[corners[2]] * weights.z;
+    fn at_weights(&self, face: usize, triangle: usize, weights: Vec3) -> Vec4 {
+        let [a, b, c] = self.places[face][triangle];
+        let place = a * weights.x + b * weights.y + c * weights.z;
         let value = bilinear(self.channel.image, self.channel.transfer, self.channel.texture.wrap, place);
         let ChannelKind::Normal { scale } = self.channel.kind else { return value };
-        let frames = &self.frames[face];
-        let frame = Frame::blend(corners.map(|corner| &frames[corner]), weights);
+        let frame = Frame::blend(self.frames[face][triangle].each_ref(), weights);
         decode_normal(value.xyz(), scale, frame).extend(1.0)
     }
+}
+
+/// Which drawn triangle has an edge of the face, and between which of its corners.
+pub fn edge_ends(corner_count: usize, edge: usize) -> (usize, [usize; 2]) {
+    match (corner_count, edge) {
+        (3, _) => (0, [edge, (edge + 1) % 3]),
+        (_, 0 | 1) => (0, [edge, edge + 1]),
+        (_, 2) => (1, [1, 2]),
+        _ => (1, [2, 0]),
+    }
+}
+
+fn drawings<T: Copy>(face: &CanvasFace, of: impl Fn(&Drawn) -> [T; 3]) -> Drawings<T> {
+    let first = of(&face.drawn[0]);
+    if face.is_triangle() { [first; 2] } else { [first, of(&face.drawn[1])] }
+}
+
+/// What stands at the corners of faces, by the faces of a canvas whose triangles stand in pairs.
+fn merged_drawings<T: Copy>(old: &[Drawings<T>], merged: &Merged) -> Vec<Drawings<T>> {
+    let of_face = |(face, &(first, second)): (&CanvasFace, &(u32, Option<u32>))| {
+        let Some(second) = second else { return old[first as usize] };
+        let turned = |triangle: usize, of: u32| {
+            face.drawn[triangle].corners.map(|corner| old[of as usize][0][usize::from(corner)])
+        };
+        [turned(0, first), turned(1, second)]
+    };
+    merged.canvas.faces.iter().zip(&merged.old_faces).map(of_face).collect()
 }
 
 /// A stored normal (codes in [0, 1]) to an object-space unit normal.
@@ -154,8 +215,8 @@ pub(super) fn decode_normal(stored: Vec3, scale: f32, frame: glam::Mat3) -> Vec3
     (frame * tangent_space).try_normalize().unwrap_or(frame.z_axis)
 }
 
-/// Moves a face by whole images towards texel 0, so that large coordinates keep their fractions.
-fn near_origin(mut places: [Vec2; 4], channel: &SourceChannel<'_>) -> [Vec2; 4] {
+/// Moves a triangle by whole images towards texel 0, so that large coordinates keep their fractions.
+fn near_origin(mut places: [Vec2; 3], channel: &SourceChannel<'_>) -> [Vec2; 3] {
     let Wrap { s, t } = channel.texture.wrap;
     let period = |mode: WrapMode, size: u32| match mode {
         WrapMode::Repeat => size as f32,
@@ -169,14 +230,21 @@ fn near_origin(mut places: [Vec2; 4], channel: &SourceChannel<'_>) -> [Vec2; 4] 
     places
 }
 
-fn corner_frames(channel: &SourceChannel<'_>, asset: &Asset, canvas: &CanvasMesh) -> Vec<[Frame; 4]> {
+fn corner_frames(channel: &SourceChannel<'_>, asset: &Asset, canvas: &CanvasMesh) -> Vec<Drawings<Frame>> {
     let mut by_primitive: HashMap<(u32, u32), Vec<[Frame; 4]>> = HashMap::new();
-    let frames = canvas.faces.iter().map(|face| {
-        let of_primitive = by_primitive.entry((face.mesh, face.primitive)).or_insert_with(|| {
-            let primitive = &asset.meshes[face.mesh as usize].primitives[face.primitive as usize];
-            tangents::frames(primitive, channel.texture.texcoord, channel.texture.transform)
-        });
-        of_primitive[face.face as usize]
-    });
-    frames.collect()
+    for face in &canvas.faces {
+        for drawn in &face.drawn {
+            by_primitive.entry((face.mesh, drawn.primitive)).or_insert_with(|| {
+                let primitive = &asset.meshes[face.mesh as usize].primitives[drawn.primitive as usize];
+                tangents::frames(primitive, channel.texture.texcoord, channel.texture.transform)
+            });
+        }
+    }
+    let of_drawn = |face: &CanvasFace| {
+        drawings(face, |drawn| {
+            let frames = &by_primitive[&(face.mesh, drawn.primitive)][drawn.face as usize];
+            drawn.corners.map(|corner| frames[usize::from(corner)])
+        })
+    };
+    canvas.faces.iter().map(of_drawn).collect()
 }

@@ -3,7 +3,9 @@
 //! The glTF JSON of the source is the draft: what was converted is replaced in it, everything else
 //! stays as it came, and what only the replaced parts used is swept out at the end.
 
+mod alike;
 mod compact;
+mod coordinates;
 mod draft;
 mod extensions;
 mod images;
@@ -18,7 +20,7 @@ mod vertices;
 use std::collections::BTreeMap;
 
 use crate::asset::{Asset, Slot};
-use crate::error::{Error, Result, Warning};
+use crate::error::{Error, ErrorCode, Result, Warning};
 use crate::finished::{Finished, FinishedPrimitive};
 use crate::watch::{Stage, Watch, check};
 
@@ -34,6 +36,14 @@ pub struct BundleFile {
     pub bytes: Vec<u8>,
 }
 
+/// A written model.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Glb {
+    pub bytes: Vec<u8>,
+    /// Over all primitives.
+    pub vertex_count: u64,
+}
+
 /// The converted model as one binary glTF 2.0 file: the same bytes for any number of threads.
 ///
 /// A converted material belongs to the converted primitives alone: a primitive that shares it without
@@ -44,7 +54,7 @@ pub struct BundleFile {
 /// # Errors
 /// `Canceled`; `InvalidModel` where a part of the source that has to be kept lies outside of its
 /// buffer; `Internal` where `asset` and `finished` contradict each other.
-pub fn glb(asset: &Asset, finished: &Finished, watch: &dyn Watch) -> Result<Vec<u8>> {
+pub fn glb(asset: &Asset, finished: &Finished, watch: &dyn Watch) -> Result<Glb> {
     let pngs = encode(finished, watch)?;
     glb_of(asset, finished, pngs, watch)
 }
@@ -68,40 +78,31 @@ pub fn encode(finished: &Finished, watch: &dyn Watch) -> Result<Pngs> {
 ///
 /// # Errors
 /// As [`glb`].
-pub fn glb_of(asset: &Asset, finished: &Finished, pngs: Pngs, watch: &dyn Watch) -> Result<Vec<u8>> {
+pub fn glb_of(asset: &Asset, finished: &Finished, pngs: Pngs, watch: &dyn Watch) -> Result<Glb> {
     let mut draft = Draft::open(&asset.document)?;
     images::embed_files(&mut draft, asset);
+    // Ours, not the file's.
+    finished.check_coordinates().map_err(|error| Error { code: ErrorCode::Internal, ..error })?;
     let converted = converted_primitives(asset, finished)?;
     let mut materials = Materials::convert(&mut draft, asset, finished, pngs)?;
+    let mut vertex_count = 0;
     for (mesh, source) in asset.meshes.iter().enumerate() {
-        for primitive in 0..source.primitives.len() {
+        for (primitive, plain) in source.primitives.iter().enumerate() {
             check(watch)?;
             let target = primitives::Target { asset, finished, mesh, primitive };
-            match converted.get(&(mesh, primitive)) {
+            vertex_count += match converted.get(&(mesh, primitive)) {
                 Some(piece) => target.write_converted(&mut draft, &mut materials, piece)?,
-                None => target.write_source(&mut draft, &mut materials)?,
-            }
+                None => {
+                    target.write_source(&mut draft, &mut materials)?;
+                    plain.positions.len()
+                }
+            } as u64;
         }
     }
     compact::sweep(&mut draft, &asset.document)?;
     extensions::settle(&mut draft, !converted.is_empty());
     check(watch)?;
-    draft.into_glb()
-}
-
-/// Vertices of the file that [`glb`] writes, over all primitives.
-pub fn vertex_count(asset: &Asset, finished: &Finished) -> u64 {
-    let converted = |mesh: usize, primitive: usize| {
-        finished.primitives.iter().find(|piece| (piece.mesh, piece.primitive) == (mesh, primitive))
-    };
-    let all = asset.meshes.iter().enumerate().flat_map(|(mesh, source)| {
-        (source.primitives.iter().enumerate()).map(move |(primitive, source)| (mesh, primitive, source))
-    });
-    all.map(|(mesh, primitive, source)| match converted(mesh, primitive) {
-        Some(piece) => vertices::Corners::distinct(piece).corners.len() as u64,
-        None => source.positions.len() as u64,
-    })
-    .sum()
+    Ok(Glb { bytes: draft.into_glb()?, vertex_count })
 }
 
 /// What a converted file cannot keep of its source, as warnings for the report.

@@ -1,12 +1,14 @@
 //! One primitive: converted, or as the source has it.
 
 use glam::{Vec2, Vec4};
-use serde_json::{Map, Value, json};
+use serde_json::{Map, Value};
 
 use crate::asset::{Asset, Attribute, Primitive};
 use crate::error::{Error, Result, Warning};
-use crate::finished::{EXTENSION, Finished, FinishedPrimitive, OFFSET_ATTRIBUTE, SCALED_ATTRIBUTE};
+use crate::finished::{Coordinates, EXTENSION, Finished, FinishedPrimitive};
 
+use super::alike::{self, Kept};
+use super::coordinates;
 use super::draft::{Draft, index, member, remove_extension};
 use super::materials::{Converted, Materials, variants};
 use super::vertices::{self, Corners};
@@ -31,18 +33,22 @@ impl Target<'_> {
         format!("/meshes/{}/primitives/{}", self.mesh, self.primitive)
     }
 
-    /// Replaces geometry and coordinates by the converted ones; everything else in the primitive stays.
+    /// Replaces geometry and coordinates by the converted ones; everything else in the primitive stays. Returns
+    /// the number of vertices.
     pub fn write_converted(
         &self,
         draft: &mut Draft<'_>,
         materials: &mut Materials,
         piece: &FinishedPrimitive,
-    ) -> Result<()> {
+    ) -> Result<usize> {
         let converted = materials.converted(piece.material).ok_or_else(|| {
             Error::internal("a converted primitive's material has no converted texture").at(self.place())
         })?;
-        let corners = Corners::distinct(piece);
-        let attributes = self.converted_attributes(draft, converted, &corners);
+        let framed = !piece.frames.is_empty();
+        let kept =
+            Kept { normals: !framed, tangents: !framed && converted.keeps_tangents, sets: &converted.sets };
+        let corners = Corners::distinct(piece, &alike::firsts(self.source(), &kept));
+        let attributes = self.converted_attributes(draft, converted, &corners, &piece.coordinates);
         let targets = self.targets(draft, converted, &corners);
         let indices = vertices::add_indices(draft, &corners.indices, corners.corners.len());
         let cuts = self.cuts(draft, piece)?;
@@ -59,8 +65,15 @@ impl Target<'_> {
         if !targets.is_empty() {
             json.insert("targets".to_owned(), Value::Array(targets));
         }
+        let mut own = Map::new();
         if !cuts.is_empty() {
-            member(json, "extensions").insert(EXTENSION.to_owned(), json!({ "cuts": cuts }));
+            own.insert("cuts".to_owned(), Value::Object(cuts));
+        }
+        if let Coordinates::Indexed(table) = &piece.coordinates {
+            own.insert("coordinates".to_owned(), coordinates::table(table));
+        }
+        if !own.is_empty() {
+            member(json, "extensions").insert(EXTENSION.to_owned(), Value::Object(own));
         }
         self.move_materials(draft, |draft, material| {
             if material == piece.material {
@@ -69,7 +82,7 @@ impl Target<'_> {
                 materials.copy(draft, material, Some(piece.material))
             }
         });
-        Ok(())
+        Ok(corners.corners.len())
     }
 
     /// Leaves a glTF primitive as it is; one of a made-up document gets its data.
@@ -134,6 +147,7 @@ impl Target<'_> {
         draft: &mut Draft<'_>,
         converted: &Converted,
         corners: &Corners,
+        coordinates: &Coordinates,
     ) -> Map<String, Value> {
         let source = self.source();
         let vertices = corners.vertices();
@@ -159,10 +173,7 @@ impl Target<'_> {
                 }
             }
         }
-        let scaled: Vec<_> = corners.corners.iter().map(|corner| corner.scaled.to_array()).collect();
-        let offset: Vec<_> = corners.corners.iter().map(|corner| corner.offset.to_array()).collect();
-        let places = corners.corners.iter().map(|corner| (corner.scaled + corner.offset) / converted.size);
-        let places: Vec<_> = places.map(|place| place.to_array()).collect();
+        let places = coordinates::texcoords(coordinates, &corners.corners, converted.size);
         add("TEXCOORD_0", vertices::add_floats(draft, &places));
         for (place, set) in converted.sets.iter().enumerate() {
             // A set that the primitive lacks reads (0, 0), but the sets behind it need it in the file.
@@ -175,8 +186,7 @@ impl Target<'_> {
         for attribute in passed_on(source) {
             add(&attribute.semantic, vertices::add_attribute(draft, attribute, &vertices));
         }
-        add(SCALED_ATTRIBUTE, vertices::add_floats(draft, &scaled));
-        add(OFFSET_ATTRIBUTE, vertices::add_floats(draft, &offset));
+        coordinates::add(draft, &corners.corners, &mut attributes);
         attributes
     }
 

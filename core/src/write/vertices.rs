@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
 
 use crate::asset::Attribute;
-use crate::finished::{FinishedPrimitive, Frame};
+use crate::finished::{Anchor, FinishedPrimitive, Frame};
 
 use super::draft::Draft;
 
@@ -19,8 +19,9 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 pub struct Corner {
     /// Vertex of the asset's primitive.
     pub vertex: u32,
-    pub scaled: Vec2,
-    pub offset: Vec2,
+    /// Its coordinate, and what that is told from.
+    pub at: Vec2,
+    pub anchor: Anchor,
     pub frame: Option<Frame>,
 }
 
@@ -31,15 +32,16 @@ pub struct Corners {
 }
 
 impl Corners {
-    pub fn distinct(piece: &FinishedPrimitive) -> Self {
+    /// `firsts`: for each vertex of the source the one that is written for it.
+    pub fn distinct(piece: &FinishedPrimitive, firsts: &[u32]) -> Self {
         let mut this = Self { corners: Vec::new(), indices: Vec::with_capacity(piece.triangles.len() * 3) };
         let mut numbers: HashMap<[u32; 12], u32> = HashMap::new();
         for (number, triangle) in piece.triangles.iter().enumerate() {
             for k in 0..3 {
                 let corner = Corner {
-                    vertex: triangle.vertices[k],
-                    scaled: triangle.scaled[k],
-                    offset: triangle.offset,
+                    vertex: firsts[triangle.vertices[k] as usize],
+                    at: triangle.corners[k],
+                    anchor: triangle.anchor,
                     frame: piece.frames.get(number).map(|frames| frames[k]),
                 };
                 let next = this.corners.len() as u32;
@@ -63,11 +65,16 @@ impl Corner {
     fn key(&self) -> [u32; 12] {
         let mut key = [0; 12];
         key[0] = self.vertex;
-        let place = self.scaled.to_array().into_iter().chain(self.offset.to_array());
+        // Coordinates of a primitive are all of one kind.
+        let anchor = match self.anchor {
+            Anchor::Offset(offset) => offset.to_array().map(f32::to_bits),
+            Anchor::Block { class, number } => [class, number],
+        };
         let frame = self.frame.map(|frame| (frame.normal.to_array(), frame.tangent.to_array()));
         let (normal, tangent) = frame.unwrap_or_default();
-        for (slot, value) in key[1..].iter_mut().zip(place.chain(normal).chain(tangent)) {
-            *slot = value.to_bits();
+        let floats = self.at.to_array().into_iter().chain(normal).chain(tangent).map(f32::to_bits);
+        for (slot, bits) in key[1..].iter_mut().zip(anchor.into_iter().chain(floats)) {
+            *slot = bits;
         }
         key
     }

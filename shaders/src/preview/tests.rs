@@ -3,7 +3,7 @@
 mod sample;
 
 use meshcolor::asset::{AlphaMode, Slot};
-use meshcolor::finished::Finished;
+use meshcolor::finished::{Anchor, Finished};
 
 use super::picture::differences;
 use super::scene::surface::Look;
@@ -127,6 +127,35 @@ fn judge(what: &str, difference: &[u8]) {
 #[test]
 fn both_renderers_draw_the_same_ball() {
     compare("both_renderers_draw_the_same_ball", &sample::ball());
+}
+
+#[test]
+fn both_renderers_draw_the_same_indexed_ball() {
+    compare("both_renderers_draw_the_same_indexed_ball", &sample::indexed_ball());
+}
+
+#[test]
+fn coordinates_of_both_kinds_show_the_same_ball() {
+    let (four_d, indexed) = (sample::ball(), sample::indexed_ball());
+    for level in [0, 2, 5] {
+        let [_, expected] = seam_pictures(&four_d, level);
+        let [_, drawn] = seam_pictures(&indexed, level);
+        let difference = differences(&drawn, &expected);
+        assert!(difference.iter().all(|d| *d <= 1), "level {level}: {:?}", difference.iter().max());
+    }
+    let difference = differences(&whole_on_cpu(&indexed), &whole_on_cpu(&four_d));
+    assert!(difference.iter().filter(|d| **d > 1).count() < 10, "{:?}", difference.iter().max());
+}
+
+#[test]
+fn a_block_outside_of_its_level_is_refused() {
+    let mut conversion = sample::indexed_ball();
+    conversion.finished.primitives[0].triangles[5].anchor = Anchor::Block { class: 1, number: 999 };
+    let error = sheet(&conversion).expect_err("it is inconsistent");
+    assert!(
+        matches!(&error, PreviewError::Inconsistent(what) if what.contains("block 999 leaves")),
+        "{error}"
+    );
 }
 
 #[test]

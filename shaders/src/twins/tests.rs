@@ -1,12 +1,9 @@
 //! Every function of the shipped WGSL against its twin, on random inputs, where there is an adapter.
 
-use std::fmt::Write;
-
 use glam::{Vec2, Vec4};
-use half::f16;
 use meshcolor::image::{Image, Pixels, Transfer};
-use wgpu::util::DeviceExt;
 
+use super::adapter::{Job, Random};
 use super::*;
 
 const COUNT: usize = 4096;
@@ -44,27 +41,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         decoded.x, decoded.y, decoded.z, decoded.w,
     );
 }";
-
-/// Numbers in [0, 1) that are the same in every run (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
-    }
-
-    fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.next()
-    }
-
-    fn whole(&mut self, count: f32) -> f32 {
-        (self.next() * count).floor()
-    }
-}
 
 fn table() -> [MctLevel; LEVEL_COUNT as usize] {
     let level = |x, y, w, h| MctLevel { origin: Vec2::new(x, y), size: Vec2::new(w, h) };
@@ -133,115 +109,17 @@ fn twins_of(row: &[f32; INPUT_FLOATS], stack: &Image) -> [f32; OUTPUT_FLOATS] {
 
 /// The adapter's answers; `None` where there is no adapter.
 fn on_adapter(inputs: &[[f32; INPUT_FLOATS]], stack: &Image) -> Option<Vec<[f32; OUTPUT_FLOATS]>> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends: wgpu::Backends::VULKAN,
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    });
-    let adapter = match pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-    {
-        Ok(adapter) => adapter,
-        Err(wgpu::RequestAdapterError::NotFound { .. }) => return None,
-        Err(error) => panic!("{error}"),
-    };
-    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()))
-        .expect("the adapter has a device");
-    let filled = |bytes: &[u8], usage| {
-        let label = None;
-        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label, contents: bytes, usage })
-    };
-    let storage = wgpu::BufferUsages::STORAGE;
-    let input = filled(bytemuck::cast_slice(inputs), storage);
-    let output = filled(&vec![0; inputs.len() * OUTPUT_FLOATS * 4], storage | wgpu::BufferUsages::COPY_SRC);
     let rows: Vec<f32> = table().iter().flat_map(|l| [l.origin.x, l.origin.y, l.size.x, l.size.y]).collect();
-    let table = filled(bytemuck::cast_slice(&rows), storage);
-    let texture = upload(&device, &queue, stack);
-    let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-        mag_filter: wgpu::FilterMode::Linear,
-        min_filter: wgpu::FilterMode::Linear,
-        ..wgpu::SamplerDescriptor::default()
-    });
-    let mut source = crate::WGSL.to_owned();
-    source.write_str(MAIN).expect("strings grow");
-    let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: None,
-        source: wgpu::ShaderSource::Wgsl(source.into()),
-    });
-    let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: None,
-        layout: None,
-        module: &module,
-        entry_point: Some("main"),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    });
-    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let resources = [
-        input.as_entire_binding(),
-        output.as_entire_binding(),
-        table.as_entire_binding(),
-        wgpu::BindingResource::TextureView(&view),
-        wgpu::BindingResource::Sampler(&sampler),
-    ];
-    let entries: Vec<_> =
-        (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: None,
-        layout: &pipeline.get_bind_group_layout(0),
-        entries: &entries,
-    });
-    let run = |encoder: &mut wgpu::CommandEncoder| {
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.dispatch_workgroups((inputs.len() / 64) as u32, 1, 1);
+    let job = Job {
+        wgsl: [crate::WGSL, MAIN].concat(),
+        input: bytemuck::cast_slice(inputs),
+        output_byte_count: inputs.len() * OUTPUT_FLOATS * 4,
+        stack,
+        tables: &[(2, bytemuck::cast_slice(&rows))],
+        workgroup_count: (inputs.len() / 64) as u32,
     };
-    let floats = read_back(&device, &queue, &output, run);
+    let floats = job.run()?;
     Some(floats.chunks_exact(OUTPUT_FLOATS).map(|row| std::array::from_fn(|i| row[i])).collect())
-}
-
-/// Encodes and runs `run`, then fetches a buffer.
-fn read_back(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    buffer: &wgpu::Buffer,
-    run: impl FnOnce(&mut wgpu::CommandEncoder),
-) -> Vec<f32> {
-    let copy = device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: buffer.size(),
-        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-        mapped_at_creation: false,
-    });
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    run(&mut encoder);
-    encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
-    queue.submit([encoder.finish()]);
-    copy.map_async(wgpu::MapMode::Read, .., |result| result.expect("the buffer is mapped"));
-    device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
-    let bytes = copy.get_mapped_range(..).expect("the buffer is mapped");
-    bytemuck::pod_collect_to_vec(&bytes[..])
-}
-
-/// As half floats: those are filtered without rounding weights on every driver that we know.
-fn upload(device: &wgpu::Device, queue: &wgpu::Queue, image: &Image) -> wgpu::Texture {
-    let texels = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y)));
-    let values = texels.flat_map(|(x, y)| image.normalized(x, y));
-    let bytes: Vec<u8> = values.flat_map(|value| f16::from_f32(value).to_le_bytes()).collect();
-    device.create_texture_with_data(
-        queue,
-        &wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: image.width, height: image.height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        },
-        wgpu::util::TextureDataOrder::LayerMajor,
-        &bytes,
-    )
 }
 
 #[test]

@@ -82,10 +82,10 @@ fn channel(report: &ChannelReport, texture: &FinishedTexture, finished: &Finishe
 fn corners(texture: &FinishedTexture, finished: &Finished) -> Vec<Vec<u32>> {
     let clamp = Wrap { s: WrapMode::ClampToEdge, t: WrapMode::ClampToEdge };
     let piece = finished.primitives.iter().find(|piece| piece.material == texture.material);
-    let triangle = piece.expect("a converted material has triangles").triangles[0];
+    let piece = piece.expect("a converted material has triangles");
     let image = &texture.levels[0];
     let shown = |corner: usize| {
-        let value = bilinear(image, texture.transfer, clamp, triangle.place(corner, 0));
+        let value = bilinear(image, texture.transfer, clamp, piece.place(0, corner, 0));
         let color = Vec3::new(value.x, value.y, value.z);
         let color = if texture.transfer == Transfer::Srgb { color.map(linear_to_srgb) } else { color };
         let codes = Vec4::from((color, value.w)) * 255.0;

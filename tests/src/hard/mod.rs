@@ -24,23 +24,37 @@ pub struct Run {
     options: &'static [(&'static str, &'static str)],
 }
 
+/// Coordinates that have texels beyond vertex colors.
+const FOUR_D: (&str, &str) = ("coordinates", "4d");
+
 /// Point sampling keeps the source's contrast, so texels beyond vertex colors are as far out of range as can be; in 8 bits
 /// all of that is to be solved.
 pub const RUNS: &[Run] = &[
     Run { name: "standard", options: &[] },
     Run { name: "draft", options: &[("quality", "draft")] },
     Run { name: "exact", options: &[("quality", "exact")] },
-    Run { name: "papers", options: &[("mip", "uniform"), ("beyond", "one-ring"), ("range", "unorm8")] },
-    Run { name: "fitted", options: &[("sampling", "fitted"), ("range", "unorm8")] },
-    Run { name: "unorm8", options: &[("range", "unorm8")] },
-    Run { name: "scaled16", options: &[("range", "scaled16")] },
-    Run { name: "uniform", options: &[("mip", "uniform")] },
-    Run { name: "nearest", options: &[("range", "unorm8"), ("rounding", "nearest")] },
-    Run { name: "local", options: &[("range", "unorm8"), ("solver", "local")] },
-    Run { name: "clamp", options: &[("range", "unorm8"), ("solver", "clamp")] },
+    Run { name: "uniform", options: &[("mip", "uniform"), ("beyond", "one-ring")] },
+    Run { name: "budget", options: &[("max-error", "6")] },
+    Run { name: "float16", options: &[FOUR_D] },
+    Run {
+        name: "papers",
+        options: &[FOUR_D, ("mip", "uniform"), ("beyond", "one-ring"), ("range", "unorm8")],
+    },
+    Run { name: "fitted", options: &[FOUR_D, ("sampling", "fitted"), ("range", "unorm8")] },
+    Run { name: "unorm8", options: &[FOUR_D, ("range", "unorm8")] },
+    Run { name: "scaled16", options: &[FOUR_D, ("range", "scaled16")] },
+    Run { name: "nearest", options: &[FOUR_D, ("range", "unorm8"), ("rounding", "nearest")] },
+    Run { name: "local", options: &[FOUR_D, ("range", "unorm8"), ("solver", "local")] },
+    Run { name: "clamp", options: &[FOUR_D, ("range", "unorm8"), ("solver", "clamp")] },
     Run {
         name: LIBRARY,
-        options: &[("mip", "uniform"), ("beyond", "one-ring"), ("range", "unorm8"), ("solver", "exact")],
+        options: &[
+            FOUR_D,
+            ("mip", "uniform"),
+            ("beyond", "one-ring"),
+            ("range", "unorm8"),
+            ("solver", "exact"),
+        ],
     },
 ];
 

@@ -5,9 +5,11 @@ use glam::{Vec3, Vec4};
 use meshcolor::asset::{Asset, Face, Mesh, Primitive, Slot};
 use meshcolor::assign::{Codec, LevelChannel, LevelValues, paint, rules};
 use meshcolor::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions};
-use meshcolor::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle};
+use meshcolor::finished::{
+    Anchor, Coordinates, Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle,
+};
 use meshcolor::image::{Image, Transfer};
-use meshcolor::layout::{Layout, LayoutRequest, arrange};
+use meshcolor::layout::{self, Layout, LayoutRequest, arrange};
 use meshcolor::mesh::{CanvasMesh, Polygons, build};
 use meshcolor::solve::{Problem, Solution, solve};
 use meshcolor::watch::Unwatched;
@@ -43,15 +45,15 @@ pub fn far_levels(patch: &Patch, last: usize, transfer: Transfer, seed: u64) -> 
         positions: &patch.positions,
         faces: &mut faces.iter().map(|face| (face.corners, face.count)),
     }]);
-    let resolutions = Resolutions { faces: vec![0; faces.len()] };
+    let resolutions = Resolutions::uniform(vec![0; faces.len()]);
     let cuts = Cuts::none(&canvas);
     let layout = arrange(&LayoutRequest {
         canvas: &canvas,
         resolutions: &resolutions,
-        mergeable: &vec![true; canvas.edges.len()],
         diagonals: &vec![0; faces.len()],
         level_count: last + 1,
         side_limit: 16_384,
+        coordinates: layout::Coordinates::Scaled,
     })
     .expect("a small layout");
     let topology = ChannelTopology::new(&canvas, &resolutions, &cuts);
@@ -124,8 +126,8 @@ impl Stages<'_> {
         let triangle = |(number, face): (usize, &Face)| {
             let one = |corners: &[usize; 3]| FinishedTriangle {
                 vertices: corners.map(|corner| face.corners[corner]),
-                scaled: corners.map(|corner| self.layout.scaled(number, corner)),
-                offset: self.layout.offset(number),
+                corners: corners.map(|corner| self.layout.corner(number, corner)),
+                anchor: Anchor::Offset(self.layout.offset(number)),
             };
             face.triangles().iter().map(one).collect::<Vec<_>>()
         };
@@ -143,8 +145,15 @@ impl Stages<'_> {
             ranges: Default::default(),
             levels,
         };
-        let piece =
-            FinishedPrimitive { mesh: 0, primitive: 0, material: 0, triangles, frames: vec![], cuts: vec![] };
+        let piece = FinishedPrimitive {
+            mesh: 0,
+            primitive: 0,
+            material: 0,
+            coordinates: Coordinates::Scaled,
+            triangles,
+            frames: vec![],
+            cuts: vec![],
+        };
         let primitive =
             Primitive { material: Some(0), positions: self.patch.positions.clone(), ..Primitive::default() };
         let mesh = Mesh { name: String::new(), primitives: vec![primitive] };
@@ -162,13 +171,14 @@ impl Stages<'_> {
                 value
             }
         };
-        let mut triangles = finished.primitives[0].triangles.iter();
+        let piece = &finished.primitives[0];
+        let mut triangles = 0..piece.triangles.len();
         let mut worst: f32 = 0.0;
         for (number, face) in self.canvas.faces.iter().enumerate() {
             for (corners, triangle) in self.faces[number].triangles().iter().zip(&mut triangles) {
                 for (k, &corner) in corners.iter().enumerate() {
                     let fan = numbering.topology.fan_of[number][corner % face.count()] as usize;
-                    let place = triangle.place_at(Vec3::AXES[k], numbering.level);
+                    let place = piece.place_at(triangle, Vec3::AXES[k], numbering.level);
                     let shown =
                         crate::reading::shown_codes(&texture.levels[numbering.level], self.transfer, place).x;
                     worst = worst.max((shown - encoded(values.fans[fan].x as f32) * 255.0).abs());

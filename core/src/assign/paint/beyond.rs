@@ -1,5 +1,4 @@
-//! Beyond vertex colors: the function through the corners of one triangle, one quad or both triangles of a
-//! pair, extrapolated to the texels around it (MCT 3.4). In 64 bits: the weights reach `4^(level - r)`.
+//! Beyond vertex colors: the function through the corners of a triangle or quad, extrapolated to the texels around it (MCT 3.4). In 64 bits: the weights reach `4^(level - r)`.
 
 use glam::{DVec2, DVec4, Vec4};
 
@@ -11,10 +10,10 @@ use super::cell::Cell;
 use crate::assign::{LevelChannel, Rounding, corner_point};
 
 impl Painter<'_> {
-    /// Writes the texels around a cell.
-    pub(super) fn extrapolate(&self, band: &mut Band<'_>, block: &Block, faces: [Option<u32>; 2]) {
-        let corners = self.corner_values(faces);
-        let cell = BeyondCell::new(self.channel, block, faces);
+    /// Writes the texels around a face.
+    pub(super) fn extrapolate(&self, band: &mut Band<'_>, block: &Block, face: usize) {
+        let corners = self.corner_values(face);
+        let cell = BeyondCell::new(self.channel, block, face);
         // One texel more than the bilinear footprint: a corner that stands exactly on its far side may be
         // rounded across.
         let mut values = [[Vec4::ZERO; 3]; 3];
@@ -34,19 +33,19 @@ impl Painter<'_> {
         }
     }
 
-    /// Stored values at the corners of the block's square, where the faces have them.
-    fn corner_values(&self, faces: [Option<u32>; 2]) -> [[Option<DVec4>; 2]; 2] {
+    /// Stored values at the corners of the block's square, where the face has them.
+    fn corner_values(&self, face: usize) -> [[Option<DVec4>; 2]; 2] {
         let numbering = self.channel.numbering;
-        let value = |(face, corner): (usize, usize)| {
+        let value = |corner: usize| {
             let sample = numbering.topology.fan_of[face][corner] as usize;
             let (s, t) = corner_point(numbering.canvas.faces[face].is_triangle(), corner);
             self.channel.stored(face, self.values.corner(face, corner, sample), s, t)
         };
-        self.channel.square(faces).map(|row| row.map(|corner| corner.map(value)))
+        self.channel.square(face).map(|row| row.map(|corner| corner.map(value)))
     }
 }
 
-/// The texels around a cell beyond vertex colors.
+/// The texels around a face beyond vertex colors.
 pub(in crate::assign) struct BeyondCell {
     pub first: [u32; 2],
     /// 2, or 3 where the far side stands exactly on a texel center.
@@ -56,11 +55,11 @@ pub(in crate::assign) struct BeyondCell {
 }
 
 impl BeyondCell {
-    pub fn new(channel: &LevelChannel<'_>, block: &Block, faces: [Option<u32>; 2]) -> Self {
+    pub fn new(channel: &LevelChannel<'_>, block: &Block, face: usize) -> Self {
         let level = channel.numbering.level;
-        let shift = faces[0].map_or(0, |face| channel.layout.placements[face as usize].shift);
-        let corner = block.corner(level) + DVec2::new(f64::from(shift), 0.0);
-        let side = f64::from(block.segments) / (level as f64).exp2();
+        let shift = channel.layout.placements[face].shift;
+        let corner = channel.layout.first_corner(block, level) + DVec2::new(f64::from(shift), 0.0);
+        let side = (f64::from(block.exponents[0]) - level as f64).exp2();
         let first = corner.floor();
         let far = corner + side;
         let count = |far: f64, first: f64| if far - first >= 1.0 { 3 } else { 2 };

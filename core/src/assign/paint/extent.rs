@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::image::LevelRange;
-use crate::layout::Block;
+use crate::layout::{self, Block};
 use crate::watch::{self, Watch};
 
 use super::Painter;
@@ -80,21 +80,20 @@ fn plain<'a>(channel: &'a LevelChannel<'a>, values: &'a LevelValues) -> Painter<
 impl Painter<'_> {
     /// What the texels of some blocks are to hold.
     fn extent(&self, counts: impl Fn(&Block) -> bool + Sync, watch: &dyn Watch) -> Result<Extent> {
-        let layout = self.channel.layout;
-        let width = layout.sizes[self.channel.numbering.level][0] as usize;
-        let rows: Vec<_> = layout.rows().collect();
-        let of_row = |scratch: &mut Scratch, blocks: &[Block]| -> Result<Extent> {
+        let (layout, level) = (self.channel.layout, self.channel.numbering.level);
+        let width = layout.sizes[level][0] as usize;
+        let of_row = |scratch: &mut Scratch, row: &layout::Band| -> Result<Extent> {
             watch::check(watch)?;
             let mut extent = Extent::NOTHING;
-            let first_row = blocks[0].corner(self.channel.numbering.level).y as usize;
+            let first_row = row.first_row as usize;
             let mut band = Band { sheet: Sheet::Extent(&mut extent), codec: self.codec, width, first_row };
-            for block in blocks.iter().filter(|block| counts(block)) {
+            for block in self.blocks(row).filter(|block| counts(block)) {
                 self.paint_block(&mut band, block, scratch);
             }
             Ok(extent)
         };
-        let extents: Vec<_> =
-            rows.into_par_iter().map_init(Scratch::default, of_row).collect::<Result<_>>()?;
+        let rows = layout.bands[level].par_iter();
+        let extents: Vec<_> = rows.map_init(Scratch::default, of_row).collect::<Result<_>>()?;
         Ok(extents.into_iter().fold(Extent::NOTHING, Extent::join))
     }
 }

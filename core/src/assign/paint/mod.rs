@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 use crate::image::{Image, LevelRange, Pixels};
-use crate::layout::Block;
+use crate::layout::{self, Block};
 use crate::watch::{self, Watch};
 
 use super::codec::LevelCodec;
@@ -69,28 +69,26 @@ struct Painter<'a> {
     rounding: Rounding,
 }
 
-/// One row of blocks and the texel rows that they stand on.
+/// A band of the layout and the codes of its texel rows.
 struct Row<'a, C> {
-    blocks: &'a [Block],
+    band: &'a layout::Band,
     codes: &'a mut [C],
-    first_row: u32,
 }
 
-/// The image cut into the rows of its layout; every code belongs to one.
+/// The image cut into the bands of its layout; every code belongs to one.
 fn rows<'a, C>(channel: &LevelChannel<'a>, codes: &'a mut [C]) -> Vec<Row<'a, C>> {
     let layout = channel.layout;
     let level = channel.numbering.level;
     let [width, height] = layout.sizes[level];
     let row_codes = width as usize * usize::from(channel.codec.components);
-    let mut rows = Vec::with_capacity(layout.row_starts.len());
+    let bands = &layout.bands[level];
+    let mut rows = Vec::with_capacity(bands.len());
     let mut rest = codes;
-    let first_row_of = |blocks: &[Block]| blocks[0].corner(level).y as u32;
-    let end_rows = layout.rows().skip(1).map(first_row_of).chain([height]);
-    for (blocks, end_row) in layout.rows().zip(end_rows) {
-        let first_row = first_row_of(blocks);
-        let (codes, after) = rest.split_at_mut((end_row - first_row) as usize * row_codes);
+    let end_rows = bands.iter().skip(1).map(|band| band.first_row).chain([height]);
+    for (band, end_row) in bands.iter().zip(end_rows) {
+        let (codes, after) = rest.split_at_mut((end_row - band.first_row) as usize * row_codes);
         rest = after;
-        rows.push(Row { blocks, codes, first_row });
+        rows.push(Row { band, codes });
     }
     rows
 }
@@ -105,23 +103,26 @@ impl Painter<'_> {
         let width = self.channel.layout.sizes[self.channel.numbering.level][0] as usize;
         rows.into_par_iter().try_for_each_init(Scratch::default, |scratch, row| {
             watch::check(watch)?;
-            let (sheet, first_row) = (sheet(row.codes), row.first_row as usize);
+            let (sheet, first_row) = (sheet(row.codes), row.band.first_row as usize);
             let mut band = Band { sheet, codec: self.codec, width, first_row };
-            row.blocks.iter().for_each(|block| self.paint_block(&mut band, block, scratch));
+            self.blocks(row.band).for_each(|block| self.paint_block(&mut band, block, scratch));
             Ok(())
         })
     }
 
+    fn blocks<'b>(&'b self, band: &'b layout::Band) -> impl Iterator<Item = &'b Block> {
+        band.blocks.iter().flat_map(|range| &self.channel.layout.blocks[range.clone()])
+    }
+
     fn is_beyond(&self, block: &Block) -> bool {
-        block.is_beyond(self.channel.numbering.level)
+        self.channel.layout.is_beyond(block, self.channel.numbering.level)
     }
 
     fn paint_block(&self, band: &mut Band<'_>, block: &Block, scratch: &mut Scratch) {
         if self.is_beyond(block) {
-            block.kind.cells().for_each(|cell| self.extrapolate(band, block, cell));
+            block.kind.faces().for_each(|face| self.extrapolate(band, block, face));
         } else {
-            let faces = block.kind.cells().flatten().flatten();
-            faces.for_each(|face| self.copy(band, block, face as usize, scratch));
+            block.kind.faces().for_each(|face| self.copy(band, block, face, scratch));
         }
     }
 }

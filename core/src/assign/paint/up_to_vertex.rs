@@ -3,7 +3,7 @@
 
 use glam::Vec4;
 
-use crate::colors::edge_point;
+use crate::colors::Shape;
 use crate::layout::Block;
 
 use super::Painter;
@@ -22,8 +22,7 @@ pub(super) struct Scratch {
 /// A face's grid on the texels of a band: point `(i, j)` stands on texel `origin + i · along[0] + j · along[1]`.
 struct Grid {
     face: usize,
-    is_triangle: bool,
-    segments: u32,
+    shape: Shape,
     origin: usize,
     along: [isize; 2],
 }
@@ -51,18 +50,17 @@ impl Painter<'_> {
         let grid = self.grid(band, block, face);
         let numbering = self.channel.numbering;
         let samples = &self.values.samples;
-        let n = grid.segments;
+        let shape = grid.shape;
         let mut interior = &samples[numbering.face_range(face)];
-        for j in 1..n {
-            let end = if grid.is_triangle { n - j } else { n };
-            let (row, after) = interior.split_at(end as usize - 1);
+        for j in shape.inner_rows() {
+            let (row, after) = interior.split_at(shape.cell_count(j) as usize - 1);
             interior = after;
             let line = GridLine { first: (1, j), step: [1, 0] };
             self.write(band, &grid, line, row, &mut scratch.stored);
         }
-        for edge in 0..numbering.canvas.faces[face].count() {
+        for edge in 0..shape.edge_count() {
             self.copy_edge(band, &grid, edge, scratch);
-            let line = GridLine { first: edge_point(grid.is_triangle, n, edge, 0), step: [0, 0] };
+            let line = GridLine { first: shape.edge_point(edge, 0), step: [0, 0] };
             let sample = numbering.topology.fan_of[face][edge] as usize;
             self.write(band, &grid, line, &samples[sample..=sample], &mut scratch.stored);
         }
@@ -74,15 +72,15 @@ impl Painter<'_> {
     fn grid(&self, band: &Band<'_>, block: &Block, face: usize) -> Grid {
         let numbering = self.channel.numbering;
         let placement = &self.channel.layout.placements[face];
-        let is_triangle = numbering.canvas.faces[face].is_triangle();
-        let segments = numbering.segments(face);
-        let [x, y] = block.texel(numbering.level);
+        let shape = numbering.shape(face);
+        let [x, y] = self.channel.layout.first_texel(block, numbering.level);
         let corner = |k: usize| placement.corners[k].map(|unit| i32::from(unit) as isize);
-        let [start, i_end, j_end] = [corner(0), corner(1), corner(if is_triangle { 2 } else { 3 })];
+        let [start, i_end, j_end] = [corner(0), corner(1), corner(shape.edge_count() - 1)];
         let along = |end: [isize; 2]| (end[1] - start[1]) * band.width as isize + (end[0] - start[0]);
-        let [left, top] = placement.corners[0].map(|unit| u32::from(unit) * segments);
+        // Only lone triangles, whose sides are equal, begin elsewhere than at the first texel.
+        let [left, top] = placement.corners[0].map(|unit| u32::from(unit) * shape.segments[0]);
         let origin = band.texel(x + left + placement.shift, y + top);
-        Grid { face, is_triangle, segments, origin, along: [along(i_end), along(j_end)] }
+        Grid { face, shape, origin, along: [along(i_end), along(j_end)] }
     }
 
     /// Writes samples as the face stores them.
@@ -97,9 +95,8 @@ impl Painter<'_> {
         let values = match self.channel.frames {
             None => samples,
             Some(frames) => {
-                let scale = 1.0 / grid.segments as f32;
-                let at = [line.first.0 as f32 * scale, line.first.1 as f32 * scale];
-                let step = line.step.map(|step| step as f32 * scale);
+                let at = grid.shape.unit(line.first.0, line.first.1);
+                let step = [0, 1].map(|k| line.step[k] as f32 / grid.shape.segments[k] as f32);
                 let points = FrameLine { face: grid.face, at, step };
                 frames.store(self.channel.numbering.canvas, &points, samples, stored);
                 stored
@@ -112,15 +109,14 @@ impl Painter<'_> {
     fn copy_edge(&self, band: &mut Band<'_>, grid: &Grid, edge: usize, scratch: &mut Scratch) {
         let numbering = self.channel.numbering;
         let strip = numbering.topology.strip_of[grid.face][edge] as usize;
-        let (n, coarse) = (grid.segments, numbering.strip_segments(strip));
+        let (n, coarse) = (grid.shape.edge_segments(edge), numbering.strip_segments(strip));
         if n == 1 {
             return;
         }
         // Lines run from the low end, as the samples of a strip do.
         let is_reversed = numbering.canvas.faces[grid.face].is_reversed(edge);
-        let point = |from_low: u32| {
-            edge_point(grid.is_triangle, n, edge, if is_reversed { n - from_low } else { from_low })
-        };
+        let point =
+            |from_low: u32| grid.shape.edge_point(edge, if is_reversed { n - from_low } else { from_low });
         let (first, second) = (point(1), point(2));
         let step = [second.0 as i32 - first.0 as i32, second.1 as i32 - first.1 as i32];
         let line = GridLine { first, step };
@@ -154,7 +150,7 @@ impl Painter<'_> {
 
     /// The line of texels beyond a lone triangle's diagonal: `c3 = c1 + c2 - c0` (MCT equation 1).
     fn border(&self, band: &mut Band<'_>, grid: &Grid) {
-        let n = grid.segments;
+        let [n, _] = grid.shape.segments;
         let (right, _) = self.channel.right_angle(grid.face);
         let point = |x: u32, y: u32| from_right_angle(right, n, x, y);
         for x in 1..=n {
@@ -171,7 +167,7 @@ impl Painter<'_> {
         let held = band.read(grid.texel((i, j))).filter(|_| self.rounding == Rounding::Rules);
         held.unwrap_or_else(|| {
             let value = self.channel.numbering.tap(grid.face, i, j).value(&self.values.samples);
-            let [s, t] = [i, j].map(|k| k as f32 / grid.segments as f32);
+            let [s, t] = grid.shape.unit(i, j);
             self.channel.stored(grid.face, value.as_dvec4(), s, t).as_vec4()
         })
     }

@@ -96,10 +96,11 @@ fn levels_of(asset: &Asset, number: u64, extension: &Value) -> Result<Vec<Image>
             lie(format!("level {level} is {index}, which is not one of the file's {count} images"))
         })?;
         if let Some(first) = images.first() {
-            let is_smaller = image.width <= first.width && image.height <= first.height;
-            if first.components != image.components || !is_smaller {
+            // With indexed coordinates a level may be wider than the one before, not larger.
+            let texels = |image: &Image| u64::from(image.width) * u64::from(image.height);
+            if first.components != image.components || texels(image) > texels(first) {
                 return Err(lie(format!(
-                    "level {level} has to have the components of level 0, and at most its size"
+                    "level {level} has to have the components of level 0, and at most its texels"
                 )));
             }
         }

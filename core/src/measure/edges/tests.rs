@@ -2,6 +2,7 @@ use glam::Vec3;
 
 use super::*;
 use crate::asset::{Face, Primitive};
+use crate::finished::Coordinates;
 
 fn primitive(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Primitive {
     Primitive {
@@ -13,7 +14,15 @@ fn primitive(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Primitive {
 
 fn part(mesh: usize, geometry: &Primitive) -> Part<'_> {
     let triangles = geometry.faces.iter().map(|f| [f.corners[0], f.corners[1], f.corners[2]]).collect();
-    Part { mesh, primitive: 0, geometry, triangles, placed: &[], finished: None }
+    Part {
+        mesh,
+        primitive: 0,
+        geometry,
+        triangles,
+        placed: &[],
+        coordinates: &Coordinates::Scaled,
+        finished: None,
+    }
 }
 
 const A: [f32; 3] = [0.0, 0.0, 0.0];

@@ -24,8 +24,8 @@ fn a_merged_pair_is_told_by_its_texels() {
     let asset = square(Slot::Occlusion, image([4, 4], |_, _| [0; 3]));
     let mut conversion = finished(Slot::Occlusion, |_| [0; 3]);
     let [first, second] = &mut conversion.primitives[0].triangles[..] else { panic!() };
-    second.scaled = [Vec2::splat(4.0), first.scaled[2], first.scaled[1]];
-    second.offset = first.offset;
+    second.corners = [Vec2::splat(4.0), first.corners[2], first.corners[1]];
+    second.anchor = first.anchor;
     let surface = surface_of(&asset, &conversion);
     let report = report(&asset, &conversion, &surface, None);
     assert_eq!((report.merged_pair_count, report.lone_triangle_count, report.quad_count), (1, 0, 0));

@@ -27,14 +27,14 @@ fn triangles_that_read_the_same_texels_have_no_jump() {
     let asset = square(Slot::Occlusion, image([4, 4], |_, _| [0; 3]));
     let mut twins = finished(Slot::Occlusion, |at| [(at.x * 200.0) as u8, (at.y * 200.0) as u8, 7]);
     let first = twins.primitives[0].triangles[0];
-    twins.primitives[0].triangles[1].scaled = first.scaled;
-    twins.primitives[0].triangles[1].scaled.swap(1, 2);
-    twins.primitives[0].triangles[1].offset = first.offset;
+    twins.primitives[0].triangles[1].corners = first.corners;
+    twins.primitives[0].triangles[1].corners.swap(1, 2);
+    twins.primitives[0].triangles[1].anchor = first.anchor;
     let surface = surface_of(&asset, &twins);
     let converted = Converted { surface: &surface, texture: &twins.textures[0], meaning: Meaning::Data };
     // Vertices 5, 4, 3: the diagonal runs from its second corner to its third.
     assert!(converted.survey(0, &[0]).figures.max < 1e-3);
-    twins.primitives[0].triangles[1].scaled.swap(1, 2);
+    twins.primitives[0].triangles[1].corners.swap(1, 2);
     let surface = surface_of(&asset, &twins);
     let converted = Converted { surface: &surface, texture: &twins.textures[0], meaning: Meaning::Data };
     assert!((converted.survey(0, &[0]).figures.max - 200.0).abs() < 1e-3);

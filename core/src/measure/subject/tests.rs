@@ -1,10 +1,10 @@
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::*;
 use crate::error::ErrorCode;
-use crate::finished::Frame;
+use crate::finished::{Anchor, Frame, hand_made};
 use crate::measure::hand_made::{EXPONENT, UPRIGHT, code_mut, finished, finished_by_triangle, image, square};
-use crate::measure::report::{SubjectKind, Verdict};
+use crate::measure::report::{CoordinatesKind, SubjectKind, TableReport, Verdict};
 use crate::measure::verdict::judge;
 use crate::watch::Unwatched;
 
@@ -199,13 +199,14 @@ fn nonsense_is_refused_in_words() {
     let mut elsewhere = made();
     elsewhere.primitives[0].mesh = 1;
     assert_eq!(refused(&elsewhere), ErrorCode::InvalidModel);
+    let offset = |x: f32| Anchor::Offset(Vec2::new(x, 0.5));
     let mut endless = made();
-    endless.primitives[0].triangles[0].offset.x = f32::NAN;
+    endless.primitives[0].triangles[0].anchor = offset(f32::NAN);
     assert_eq!(refused(&endless), ErrorCode::InvalidModel);
-    endless.primitives[0].triangles[0].offset.x = 1e30;
+    endless.primitives[0].triangles[0].anchor = offset(1e30);
     assert_eq!(refused(&endless), ErrorCode::InvalidModel);
     let mut far = finished(Slot::Occlusion, ramp);
-    far.primitives[0].triangles[0].offset.x = -1e8;
+    far.primitives[0].triangles[0].anchor = offset(-1e8);
     far.primitives[0].cuts[0].bits.clear();
     assert!(converted_file(&asset, &far, &Unwatched).is_ok());
 }
@@ -235,4 +236,42 @@ fn threads_change_nothing() {
     };
     let (one, four) = (with(1), with(4));
     assert_eq!((one.channels, one.layouts, one.focus), (four.channels, four.layouts, four.focus));
+}
+
+/// Indexed coordinates, with a face of each kind of block.
+#[test]
+fn a_sheet_with_indexed_coordinates_has_no_seam_at_any_level() {
+    let (asset, mut sheet) = hand_made::sheet();
+    let result = measured(&asset, &sheet);
+    let channel = &result.channels[0];
+    for level in &channel.levels {
+        assert!(level.seams.unwrap().max < 1e-2, "{level:?}");
+        assert!(level.seams.unwrap().sample_count > 19 * 10);
+        // No face is beyond vertex colors in the sense that texels are extrapolated.
+        assert_eq!(level.seams_8bit_weights, None);
+    }
+    assert!(channel.fidelity.unwrap().psnr_db > 45.0, "{:?}", channel.fidelity);
+    let layout = &result.layouts[0];
+    assert_eq!((layout.face_count, layout.quad_count), (11, 7));
+    assert_eq!((layout.merged_pair_count, layout.lone_triangle_count), (1, 2));
+    assert_eq!(layout.exponents, vec![0, 4, 4, 3]);
+    assert_eq!(layout.coordinates, CoordinatesKind::Indexed);
+    assert_eq!(layout.table, Some(TableReport { class_count: 6, byte_count: 6 * (32 + 6 * 16) }));
+    let white = |image: &Image| {
+        let Pixels::U8(codes) = &image.pixels else { panic!("8 bits") };
+        codes.chunks(3).filter(|texel| *texel == [255; 3]).count() as f64 / image.texel_count() as f64
+    };
+    for (level, image) in layout.levels.iter().zip(&sheet.textures[0].levels) {
+        assert!((level.waste - white(image)).abs() < 1e-9, "{level:?}");
+    }
+
+    // One code at a corner of the larger block, at a level far beyond vertex colors.
+    let table = hand_made::table();
+    let [x, y] = table.levels[5].origins[4];
+    *code_mut(&mut sheet, 5, [x as usize + 1, y as usize], 0) += 9;
+    let levels = &measured(&asset, &sheet).channels[0].levels;
+    assert!((levels[5].seams.unwrap().max - 9.0).abs() < 1e-3 && levels[4].seams.unwrap().max < 1e-2);
+    let anchor = Anchor::Block { class: 4, number: 99 };
+    sheet.primitives[0].triangles[0].anchor = anchor;
+    assert_eq!(converted_file(&asset, &sheet, &Unwatched).unwrap_err().code, ErrorCode::InvalidModel);
 }

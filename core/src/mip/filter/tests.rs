@@ -32,7 +32,7 @@ fn an_edge_sample_takes_from_each_side_by_its_area() {
 #[test]
 fn a_finer_face_counts_for_its_area() {
     let mut case = uneven();
-    case.resolutions.faces = vec![3, 2];
+    case.resolutions.faces = vec![[3; 2], [2; 2]];
     let topology = case.topology();
     let (fine, coarse) = (case.level(&topology, 0), case.level(&topology, 1));
     let middle = coarse.edge_tap(1, 1, 1).samples[0] as usize;

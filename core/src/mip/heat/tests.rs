@@ -255,8 +255,8 @@ fn nasty(random: &mut Random, scale: f32) -> Case {
     let positions: Vec<Vec3> = case.canvas.positions.iter().map(|p| *p * scale).collect();
     let faces: Vec<Vec<u32>> =
         case.canvas.faces.iter().map(|face| face.vertices[..face.count()].to_vec()).collect();
-    let exponents = case.resolutions.faces.clone();
-    Case::new(canvas(&positions, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>()), exponents)
+    let canvas = canvas(&positions, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    Case::elongated(canvas, case.resolutions)
 }
 
 proptest! {

@@ -45,18 +45,19 @@ fn samples_lose_and_regain_the_normals_of_the_mesh() {
     let at_vertex =
         |vertex: u32| Vec3::new((vertex as f32).sin(), (vertex as f32 * 2.0).cos(), 1.0).normalize();
     let normals: Vec<_> = canvas.faces.iter().map(|face| face.vertices.map(at_vertex)).collect();
-    let frames = choose_frames(&canvas, &normals, |_| None, 1.0);
-    let resolutions = Resolutions { faces: vec![3, 3] };
+    let frames = choose_frames(&canvas, &normals, 1.0);
+    let resolutions = Resolutions { faces: vec![[4, 3], [3, 3]] };
     let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
     let numbering = LevelNumbering::new(&canvas, &topology, &resolutions, 0);
     let mut values = vec![Vec4::W; numbering.sample_count()];
     take_bare(&numbering, &frames, &mut values);
     for (face, canvas_face) in canvas.faces.iter().enumerate() {
-        for (i, j) in (0..=8).flat_map(|j| (0..=8).map(move |i| (i, j))) {
-            if canvas_face.is_triangle() && i + j > 8 {
-                continue;
-            }
-            let (of, weights) = surface_point(canvas_face.count(), i as f32 / 8.0, j as f32 / 8.0);
+        let shape = numbering.shape(face);
+        let points = (0..=shape.segments[1]).flat_map(|j| (0..shape.point_count(j)).map(move |i| (i, j)));
+        for (i, j) in points {
+            let [s, t] = shape.unit(i, j);
+            let (triangle, weights) = surface_point(canvas_face.count(), s, t);
+            let of = drawn_corners(triangle);
             let bare = (0..3).map(|k| normals[face][of[k]] * weights[k]).sum::<Vec3>().normalize();
             let taken = numbering.tap(face, i, j).value(&values);
             assert!((taken + bare.extend(-1.0)).length() < 1e-6, "face {face}, {i} {j}: {taken}, {bare}");

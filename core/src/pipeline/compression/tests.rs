@@ -2,7 +2,7 @@ use super::*;
 use crate::asset::Slot;
 use crate::error::ErrorCode;
 use crate::pipeline::tests::noise_asset;
-use crate::pipeline::{Limits, convert_read};
+use crate::pipeline::{Limits, Product, convert_read};
 use crate::watch::Unwatched;
 
 fn options(settings: &[(&str, &str)]) -> Options {
@@ -14,20 +14,30 @@ fn options(settings: &[(&str, &str)]) -> Options {
 #[test]
 fn blocks_are_reported_beside_what_was_before_and_change_nothing_else() {
     let asset = noise_asset(3, 6, Slot::BaseColor);
-    let convert = |settings: &[(&str, &str)]| {
-        convert_read(&asset, &options(settings), &Limits::default(), &Unwatched).unwrap()
-    };
-    let plain = convert(&[("textures", "ktx2"), ("cut", "255")]);
-    let blocks = convert(&[("textures", "ktx2"), ("cut", "255"), ("compress", "bc7,bc6h")]);
-    assert!(plain.report.compression.is_empty());
-    assert!(plain.files[0] == blocks.files[0] && plain.finished == blocks.finished);
-    assert_eq!(plain.report.channels, blocks.report.channels);
+    // Levels in a range of their own come with 4D coordinates alone.
+    for (coordinates, has_ranges) in [("4d", true), ("indexed", false)] {
+        let convert = |settings: &[(&str, &str)]| {
+            let always = [("textures", "ktx2"), ("cut", "255"), ("coordinates", coordinates)];
+            let options = options(&[&always, settings].concat());
+            convert_read(&asset, &options, &Limits::default(), &Unwatched).unwrap()
+        };
+        let plain = convert(&[]);
+        let blocks = convert(&[("compress", "bc7,bc6h")]);
+        assert!(plain.report.compression.is_empty());
+        assert!(plain.files[0] == blocks.files[0] && plain.finished == blocks.finished);
+        assert_eq!(plain.report.channels, blocks.report.channels);
+        assert_eq!(has_ranges, !blocks.finished.textures[0].ranges.is_empty());
+        assert_blocks_are_told(&blocks);
+    }
+}
+
+fn assert_blocks_are_told(blocks: &Product) {
     let [channel] = &blocks.report.compression[..] else { panic!("one channel") };
+    let texture = &blocks.finished.textures[0];
     assert_eq!(channel.slots, ["baseColorTexture"]);
-    assert_eq!(channel.levels.len(), blocks.finished.textures[0].levels.len());
+    assert_eq!(channel.levels.len(), texture.levels.len());
     for level in &channel.levels {
         let number = level.level as usize;
-        let texture = &blocks.finished.textures[0];
         let is_ranged = texture.ranges.contains_key(&number);
         assert_eq!(level.format, if is_ranged { "bc6h" } else { "bc7" });
         let [width, height] = texture.levels[number].size().map(|side| u64::from(side.next_multiple_of(4)));

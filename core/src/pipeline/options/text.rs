@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-/// An empty list.
+/// No list, no figure.
 pub const NONE: &str = "none";
 
 /// The names of a table, for [`OptionSpec::rungs`].
@@ -41,4 +41,9 @@ pub fn list<T: Copy + Ord>(table: &[(&'static str, T)], formats: &BTreeSet<T>) -
 
 pub fn in_range(value: &str, low: f32, high: f32) -> Option<f32> {
     value.parse::<f32>().ok().filter(|v| (low..=high).contains(v))
+}
+
+/// [`NONE`], or what `parse` makes of the value; `None` where it makes nothing of it.
+pub fn optional<T>(value: &str, parse: impl Fn(&str) -> Option<T>) -> Option<Option<T>> {
+    if value == NONE { Some(None) } else { parse(value).map(Some) }
 }

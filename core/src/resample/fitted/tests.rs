@@ -3,7 +3,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::super::mass::Mass;
 use super::{Borders, Fit, cell_areas, fit};
 use crate::asset::{AlphaMode, Asset, Face, Material, Mesh, Primitive, Slot, TextureRef, UvTransform};
-use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions};
+use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Resolutions, Shape};
 use crate::image::{Image, Pixels, Wrap};
 use crate::mesh::{CanvasMesh, Polygons, build};
 use crate::resample::{Sampling, sample};
@@ -53,7 +53,7 @@ fn with_numbering<T>(
     let canvas = canvas_of(asset);
     let channels = channels(asset, 0);
     let source = SurfaceSource::new(&channels[0], asset, &canvas);
-    let resolutions = Resolutions { faces: exponents.to_vec() };
+    let resolutions = Resolutions::uniform(exponents.iter().copied());
     let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));
     run(&source, &LevelNumbering::new(&canvas, &topology, &resolutions, 0))
 }
@@ -69,9 +69,8 @@ fn noise(x: u32, y: u32) -> u16 {
 
 /// Points of a face's cell with their hats, of a rule that is exact for products of two hats.
 fn cells(numbering: &LevelNumbering<'_>, face: usize, mut visit: impl FnMut(&[((u32, u32), f32)], f32)) {
-    let n = numbering.segments(face);
-    let is_triangle = numbering.canvas.faces[face].is_triangle();
-    for (i, j) in (0..n).flat_map(|j| (0..n).map(move |i| (i, j))) {
+    let Shape { is_triangle, segments: [n, m] } = numbering.shape(face);
+    for (i, j) in (0..m).flat_map(|j| (0..n).map(move |i| (i, j))) {
         let corners = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)];
         let mut triangle = |numbers: [usize; 3]| {
             for [a, b] in [[0, 1], [1, 2], [2, 0]] {
@@ -151,10 +150,8 @@ fn a_representable_source_comes_back() {
 fn error(source: &SurfaceSource<'_>, numbering: &LevelNumbering<'_>, values: &[Vec4]) -> f64 {
     let mut sum = 0.0;
     for (face, area) in cell_areas(numbering).into_iter().enumerate() {
-        let n = numbering.segments(face);
-        let is_triangle = numbering.canvas.faces[face].is_triangle();
-        let fine = 8 * n;
-        for (a, b) in (0..fine).flat_map(|b| (0..fine).map(move |a| (a, b))) {
+        let Shape { is_triangle, segments: [n, m] } = numbering.shape(face);
+        for (a, b) in (0..8 * m).flat_map(|b| (0..8 * n).map(move |a| (a, b))) {
             let [x, y] = [a, b].map(|k| (k as f32 + 0.4) / 8.0);
             if is_triangle && x + y > n as f32 {
                 continue;
@@ -169,7 +166,7 @@ fn error(source: &SurfaceSource<'_>, numbering: &LevelNumbering<'_>, values: &[V
             } else {
                 at(1, 1) * (fx + fy - 1.0) + at(0, 1) * (1.0 - fx) + at(1, 0) * (1.0 - fy)
             };
-            let wanted = source.at(numbering.canvas, face, x / n as f32, y / n as f32);
+            let wanted = source.at(numbering.canvas, face, x / n as f32, y / m as f32);
             sum += f64::from((shown - wanted).truncate().length_squared() * area);
         }
     }

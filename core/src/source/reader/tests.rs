@@ -2,6 +2,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::FaceReader;
 use crate::asset::{Asset, Face, Material, Mesh, Primitive, Slot, TextureRef, UvTransform};
+use crate::colors::Shape;
 use crate::image::{Image, Pixels, Wrap};
 use crate::mesh::{CanvasMesh, Polygons, build};
 use crate::source::{SurfaceSource, channels};
@@ -49,19 +50,23 @@ fn rows_agree_with_points() {
         let (asset, canvas) = model(slot);
         let channels = channels(&asset, 0);
         let source = SurfaceSource::new(&channels[0], &asset, &canvas);
-        for (face, fetch_count) in [(0, 1000), (1, 1000), (0, 0), (1, 0)] {
+        let wide = Shape::quad([8, 2]);
+        let high = Shape::quad([2, 8]);
+        let shapes = [(0, Shape::triangle(8)), (1, Shape::quad([8, 8])), (1, wide), (1, high)];
+        for ((face, shape), fetch_count) in shapes.into_iter().flat_map(|shape| [(shape, 1000), (shape, 0)]) {
             let mut reader = FaceReader::default();
-            reader.open(&source, &canvas, face, 8);
-            reader.open_window(&source, [0, 0], [8, 8], fetch_count);
+            let [n, m] = shape.segments;
+            reader.open(&source, face, shape);
+            reader.open_window(&source, [0, 0], [n, m], fetch_count);
             assert_eq!(reader.is_tiled, fetch_count > 0);
-            for j in 0..8u32 {
+            for j in 0..m {
                 let y = j as f32 + 0.25;
-                let count = if face == 0 { (8 - j) * 2 - 1 } else { 16 };
+                let count = if face == 0 { (n - j) * 2 - 1 } else { 2 * n };
                 let mut row = vec![Vec4::ZERO; count as usize];
                 reader.row(&source, 0.125, y, 0.5, &mut row);
                 for (k, found) in row.iter().enumerate() {
                     let x = 0.125 + 0.5 * k as f32;
-                    let wanted = source.at(&canvas, face, x / 8.0, y / 8.0);
+                    let wanted = source.at(&canvas, face, x / n as f32, y / m as f32);
                     let worst = (*found - wanted).abs().max_element();
                     assert!(worst < 1e-4, "{slot:?} face {face} at {x} {y}: {found}, {wanted}");
                 }

@@ -7,7 +7,9 @@ use serde_json::{Value, json};
 
 use super::parse;
 use crate::asset::{Asset, Primitive, Slot};
-use crate::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame, PrimitiveCuts};
+use crate::finished::{
+    Anchor, Coordinates, Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame, PrimitiveCuts,
+};
 use crate::image::{Image, LevelRange, Pixels, Transfer};
 
 /// Bytes with the accessors over them.
@@ -214,8 +216,8 @@ pub fn finished(asset: &Asset) -> Finished {
             .enumerate()
             .map(|(number, face)| FinishedTriangle {
                 vertices: [face.corners[0], face.corners[1], face.corners[2]],
-                scaled: [Vec2::ZERO, Vec2::new(3.5, 0.25), Vec2::new(1.0 / 3.0, 2.0)],
-                offset: Vec2::new(0.5 + number as f32 * 0.125, 1.7),
+                corners: [Vec2::ZERO, Vec2::new(3.5, 0.25), Vec2::new(1.0 / 3.0, 2.0)],
+                anchor: Anchor::Offset(Vec2::new(0.5 + number as f32 * 0.125, 1.7)),
             })
             .collect();
         let frame = Frame { normal: Vec3::Y, tangent: Vec4::new(0.0, 0.6, 0.8, -1.0) };
@@ -225,6 +227,7 @@ pub fn finished(asset: &Asset) -> Finished {
             mesh: 0,
             primitive: 0,
             material: 0,
+            coordinates: Coordinates::Scaled,
             frames: vec![[frame; 3]; triangles.len()],
             cuts: vec![PrimitiveCuts { texture: 1, bits }],
             triangles,
@@ -236,7 +239,7 @@ pub fn finished(asset: &Asset) -> Finished {
 pub fn converted() -> (Asset, Finished, Vec<u8>) {
     let asset = parse::asset(&source_glb());
     let finished = finished(&asset);
-    let glb = super::super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap();
+    let glb = super::super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap().bytes;
     (asset, finished, glb)
 }
 

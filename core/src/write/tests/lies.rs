@@ -90,7 +90,7 @@ fn textures_of_one_material_share_their_sizes() {
 /// What is said of a sound file with ranges on levels 1 and 2, after a change to a list of them.
 fn range_lie(change: impl FnOnce(&mut Value)) -> (String, String) {
     let (asset, finished) = fixture::ranged();
-    let glb = crate::write::glb(&asset, &finished, &crate::watch::Unwatched).unwrap();
+    let glb = crate::write::glb(&asset, &finished, &crate::watch::Unwatched).unwrap().bytes;
     let mut asset = parse::asset(&glb);
     assert_eq!(extract(&asset).unwrap().unwrap().textures, finished.textures);
     let textures = asset.document.json["textures"].as_array_mut().unwrap();
@@ -185,7 +185,7 @@ fn scaled_coordinates_may_be_whole_texels() {
     attribute.bytes = whole.iter().flat_map(|code| code.to_le_bytes()).collect();
     let finished = extract(&asset).unwrap().unwrap();
     let triangle = finished.primitives[0].triangles[0];
-    assert_eq!(triangle.scaled[1], glam::Vec2::new(2.0, 3.0));
+    assert_eq!(triangle.corners[1], glam::Vec2::new(2.0, 3.0));
 }
 
 #[test]

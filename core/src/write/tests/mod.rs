@@ -1,6 +1,7 @@
 //! Writes made-up conversions and reads them back with a small reader of its own.
 
 mod fixture;
+mod indexed;
 mod lies;
 mod parse;
 mod special;
@@ -19,12 +20,13 @@ fn a_finished_conversion_comes_back_from_its_file_to_the_bit() {
     let (read, wrote) = (&read.primitives[0], &finished.primitives[0]);
     assert_eq!((&read.frames, &read.cuts), (&wrote.frames, &wrote.cuts));
     let (before, after) = (&asset.meshes[0].primitives[0], &back.meshes[0].primitives[0]);
-    for (read, wrote) in read.triangles.iter().zip(&wrote.triangles) {
-        assert_eq!((read.scaled, read.offset), (wrote.scaled, wrote.offset));
+    let piece = wrote;
+    for (number, (read, wrote)) in read.triangles.iter().zip(&wrote.triangles).enumerate() {
+        assert_eq!((read.corners, read.anchor), (wrote.corners, wrote.anchor));
         for k in 0..3 {
             let (old, new) = (wrote.vertices[k] as usize, read.vertices[k] as usize);
             assert_eq!(after.positions[new], before.positions[old]);
-            assert_eq!(after.texcoords[0][new], wrote.place(k, 0) / Vec2::new(16.0, 8.0));
+            assert_eq!(after.texcoords[0][new], piece.place(number, k, 0) / Vec2::new(16.0, 8.0));
             assert_eq!(after.texcoords[1][new], before.texcoords[1][old]);
         }
     }
@@ -97,7 +99,7 @@ fn what_only_replaced_things_used_is_swept_out() {
     let primitives = asset.document.json["meshes"][0]["primitives"].as_array_mut().unwrap();
     primitives.pop();
     finished.primitives[0].cuts.clear();
-    let glb = super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap();
+    let glb = super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap().bytes;
     let (json, bin) = parse::split(&glb);
     let count = |name: &str| json[name].as_array().map_or(0, Vec::len);
     assert_eq!((count("textures"), count("images"), count("samplers")), (1 + 3, 1 + 9, 1 + 1));
@@ -118,7 +120,7 @@ fn a_file_with_an_unknown_extension_stays_in_place() {
     let mut asset = parse::asset(&source);
     asset.document.json["nodes"][0]["extensions"]["ACME_pointer"]["accessor"] = 2.into();
     let finished = fixture::finished(&asset);
-    let glb = super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap();
+    let glb = super::glb(&asset, &finished, &crate::watch::Unwatched).unwrap().bytes;
     let (json, _) = parse::split(&glb);
     for name in ["accessors", "textures", "images", "samplers"] {
         let before = asset.document.json[name].as_array().unwrap();
@@ -132,7 +134,7 @@ fn the_same_bytes_with_any_number_of_threads() {
     let (asset, finished, glb) = fixture::converted();
     for threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let again = pool.install(|| super::glb(&asset, &finished, &crate::watch::Unwatched)).unwrap();
+        let again = pool.install(|| super::glb(&asset, &finished, &crate::watch::Unwatched)).unwrap().bytes;
         assert!(again == glb);
     }
 }

@@ -5,7 +5,7 @@ use serde_json::json;
 
 use super::{fixture, parse};
 use crate::asset::{Asset, Document, EncodedImage, Face, Material, Mesh, Primitive};
-use crate::finished::{Finished, FinishedPrimitive, FinishedTriangle, extract};
+use crate::finished::{Anchor, Coordinates, Finished, FinishedPrimitive, FinishedTriangle, extract};
 use crate::watch::Unwatched;
 use crate::write::glb;
 
@@ -48,14 +48,15 @@ fn finished(asset: &Asset) -> Finished {
     let triangles = source.faces.iter().enumerate().flat_map(|(number, face)| {
         face.triangles().iter().map(move |corners| FinishedTriangle {
             vertices: corners.map(|corner| face.corners[corner]),
-            scaled: corners.map(|corner| Vec2::splat(corner as f32)),
-            offset: Vec2::splat(0.5 + number as f32),
+            corners: corners.map(|corner| Vec2::splat(corner as f32)),
+            anchor: Anchor::Offset(Vec2::splat(0.5 + number as f32)),
         })
     });
     finished.primitives = vec![FinishedPrimitive {
         mesh: 0,
         primitive: 0,
         material: 0,
+        coordinates: Coordinates::Scaled,
         triangles: triangles.collect(),
         frames: Vec::new(),
         cuts: Vec::new(),
@@ -67,7 +68,7 @@ fn finished(asset: &Asset) -> Finished {
 fn a_made_up_document_gets_all_its_data() {
     let asset = made_up_document();
     let finished = finished(&asset);
-    let back = parse::asset(&glb(&asset, &finished, &Unwatched).unwrap());
+    let back = parse::asset(&glb(&asset, &finished, &Unwatched).unwrap().bytes);
     let read = extract(&back).unwrap().unwrap();
     assert_eq!(read.textures, finished.textures);
     // The quad is two triangles at one place, so its four corners stay four vertices; the triangle has
@@ -109,7 +110,7 @@ fn a_triangle_beyond_its_vertices_is_refused() {
 fn a_set_that_the_primitive_lacks_is_written_as_zeros() {
     let mut asset = made_up_document();
     asset.document.json["materials"][0]["emissiveTexture"] = json!({ "index": 1, "texCoord": 3 });
-    let back = parse::asset(&glb(&asset, &finished(&asset), &Unwatched).unwrap());
+    let back = parse::asset(&glb(&asset, &finished(&asset), &Unwatched).unwrap().bytes);
     assert_eq!(back.document.json["materials"][0]["emissiveTexture"]["texCoord"], 1);
     assert_eq!(back.meshes[0].primitives[0].texcoords[1], vec![Vec2::ZERO; 7]);
 }
@@ -122,7 +123,7 @@ fn texture_transforms_that_stay_read_the_moved_set() {
     let transform = json!({ "KHR_texture_transform": { "texCoord": 2, "scale": [3.0, 3.0] } });
     asset.document.json["materials"][0]["emissiveTexture"] =
         json!({ "index": 1, "texCoord": 0, "extensions": transform });
-    let (json, _) = parse::split(&glb(&asset, &finished(&asset), &Unwatched).unwrap());
+    let (json, _) = parse::split(&glb(&asset, &finished(&asset), &Unwatched).unwrap().bytes);
     let emissive = &json["materials"][0]["emissiveTexture"];
     let moved = &emissive["extensions"]["KHR_texture_transform"];
     assert_eq!((&emissive["texCoord"], &moved["texCoord"]), (&1.into(), &2.into()));
@@ -141,7 +142,7 @@ fn variants_of_a_converted_primitive_read_the_moved_set() {
         asset.document.json["meshes"][0]["primitives"][primitive]["extensions"] =
             json!({ "KHR_materials_variants": { "mappings": [mapping(0), mapping(1)] } });
     }
-    let (json, bin) = parse::split(&glb(&asset, &finished(&asset), &Unwatched).unwrap());
+    let (json, bin) = parse::split(&glb(&asset, &finished(&asset), &Unwatched).unwrap().bytes);
     let mapped = |primitive: usize| {
         let primitive = &json["meshes"][0]["primitives"][primitive];
         let mappings = &primitive["extensions"]["KHR_materials_variants"]["mappings"];

@@ -11,7 +11,8 @@ use crate::preview::scene::geometry::{Batch, NORMAL_AT};
 use crate::preview::scene::surface::{Coordinate, Look};
 use crate::preview::scene::texture::Texture;
 use crate::preview::shade::{Shaded, lit, mapped_normal, source_lambda};
-use crate::twins::mct_lambda;
+use crate::twins::indexed::{MctBlockPlace, mct_indexed_lambda, mct_indexed_place};
+use crate::twins::{mct_lambda, mct_place};
 
 /// What a flat picture shows where a material has no texture in the channel shown.
 pub const ABSENT: f32 = 0.03;
@@ -43,9 +44,8 @@ impl Fragment<'_> {
         match (binding.coordinate, self.batch.layout.mesh) {
             (Coordinate::Mesh, Some(place)) => {
                 let coordinate = Vec4::from_array(self.mix(place, at));
-                let dx = Vec4::from_array(self.mix(place, dx)).xy();
-                let dy = Vec4::from_array(self.mix(place, dy)).xy();
-                Some(sample_mesh_colors(texture, coordinate, mct_lambda(dx, dy), self.filter))
+                let [dx, dy] = [dx, dy].map(|weights| Vec2::from_array(self.mix(place, weights)));
+                Some(self.sample_mesh(texture, coordinate, [dx, dy], place))
             }
             (Coordinate::Mesh, None) => None,
             (Coordinate::Uv { set, wrap }, _) => {
@@ -56,6 +56,20 @@ impl Fragment<'_> {
                 Some(sample_mip_maps(texture, wrap, uv, source_lambda(dx, dy, size), self.filter))
             }
         }
+    }
+
+    /// The same by mesh coordinate, which stands at `place` of a record; `changes` are those of its first half.
+    fn sample_mesh(&self, texture: &Texture<'_>, coordinate: Vec4, changes: [Vec2; 2], place: usize) -> Vec4 {
+        let [dx, dy] = changes;
+        let Some(table) = &self.batch.table else {
+            let place = |level| mct_place(coordinate, level);
+            return sample_mesh_colors(texture, place, mct_lambda(dx, dy), self.filter);
+        };
+        // Flat, as on a GPU.
+        let [number, class] = [2, 3].map(|at| self.corners[0][place + at] as u32);
+        let at = MctBlockPlace { local: coordinate.xy(), number, shape: table.classes[class as usize] };
+        let place = |level| mct_indexed_place(at, table.grid(class as usize, level), level);
+        sample_mesh_colors(texture, place, mct_indexed_lambda(dx, dy, at.shape), self.filter)
     }
 
     /// Unit length, toward the viewer, with the normal map.

@@ -9,7 +9,7 @@ use meshcolor::math::transfer::SRGB8_TO_LINEAR;
 
 use crate::preview::scene::Filter;
 use crate::preview::scene::texture::Texture;
-use crate::twins::{CLAMP, mct_pick, mct_place};
+use crate::twins::{CLAMP, mct_pick};
 
 static CODE8_TO_UNIT: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|code| code as f32 / 255.0));
@@ -65,10 +65,16 @@ pub fn sample_mip_maps(texture: &Texture<'_>, wrap: Wrap, uv: Vec2, lambda: f32,
     })
 }
 
-/// The value of a mesh color texture at a 4D coordinate for a level of detail, as filtered.
-pub fn sample_mesh_colors(texture: &Texture<'_>, coordinate: Vec4, lambda: f32, filter: Filter) -> Vec4 {
+/// The value of a mesh color texture for a level of detail, as filtered; `place` gives where in the image of
+/// a level, in texels.
+pub fn sample_mesh_colors(
+    texture: &Texture<'_>,
+    place: impl Fn(u32) -> Vec2,
+    lambda: f32,
+    filter: Filter,
+) -> Vec4 {
     between_levels(texture, lambda, filter, |level| {
-        let place = mct_place(coordinate, level);
+        let place = place(level);
         let image = texture.level(level as usize);
         match texture.range(level as usize) {
             None => bilinear(image, texture.transfer, CLAMP, place),
@@ -113,10 +119,10 @@ mod tests {
                 levels: vec![Cow::Owned(fine), Cow::Owned(coarse)],
                 ranges: BTreeMap::from([(1, range)]),
             };
-            let coordinate = Vec4::new(2.0, 0.0, 0.75, 1.5);
-            let shown = sample_mesh_colors(&texture, coordinate, 0.0, Filter::Level(1));
+            let place = |level: u32| crate::twins::mct_place(Vec4::new(2.0, 0.0, 0.75, 1.5), level);
+            let shown = sample_mesh_colors(&texture, place, 0.0, Filter::Level(1));
             assert!((shown.x - 0.7 * 1.25 + 0.4 + 0.5).abs() < 1e-3, "{range:?}: {shown}");
-            let fine = sample_mesh_colors(&texture, coordinate, 0.0, Filter::Level(0));
+            let fine = sample_mesh_colors(&texture, place, 0.0, Filter::Level(0));
             assert_eq!(fine.x, SRGB8_TO_LINEAR[90]);
         }
     }

@@ -114,6 +114,7 @@ fn batch_draws(
     let (uniform, table) = surface_uniform(&batch.surface, textures);
     let uniform = filled(gpu, bytemuck::bytes_of(&uniform), wgpu::BufferUsages::UNIFORM);
     let table = filled(gpu, bytemuck::cast_slice(&table), wgpu::BufferUsages::STORAGE);
+    let blocks = block_buffers(gpu, batch);
     let bindings = batch.surface.bindings;
     let samplers = bindings.each_ref().map(|binding| sampler(gpu, binding.as_ref()));
     let views = bindings.each_ref().map(|binding| {
@@ -132,7 +133,8 @@ fn batch_draws(
         let resources = resources
             .into_iter()
             .chain(views.map(wgpu::BindingResource::TextureView))
-            .chain(samplers.each_ref().map(wgpu::BindingResource::Sampler));
+            .chain(samplers.each_ref().map(wgpu::BindingResource::Sampler))
+            .chain(blocks.each_ref().map(|buffer| buffer.as_entire_binding()));
         let entries: Vec<_> = (0..)
             .zip(resources)
             .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
@@ -145,6 +147,19 @@ fn batch_draws(
         draws.push(Draw { pipeline: pipeline.clone(), group, vertex_count });
     }
     Ok(draws)
+}
+
+/// The table of indexed coordinates: classes, and their grids by level.
+fn block_buffers(gpu: &Gpu, batch: &Batch) -> [wgpu::Buffer; 2] {
+    let storage = |bytes: &[u8]| filled(gpu, bytes, wgpu::BufferUsages::STORAGE);
+    match &batch.table {
+        Some(table) => [
+            storage(bytemuck::cast_slice(&table.class_words())),
+            storage(bytemuck::cast_slice(&table.grid_words())),
+        ],
+        // A binding cannot be empty.
+        None => [storage(&[0; 32]), storage(&[0; 16])],
+    }
 }
 
 /// The surface's numbers, and the levels of all its stacks in one table (origin and size of each).

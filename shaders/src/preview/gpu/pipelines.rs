@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use meshcolor::asset::AlphaMode;
 
 use super::device::Gpu;
-use crate::WGSL;
 use crate::preview::scene::geometry::Batch;
 use crate::preview::scene::surface::{Coordinate, Look};
+use crate::{WGSL, WGSL_INDEXED};
 
 pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -25,7 +25,7 @@ struct Key {
 
 impl Key {
     fn new(batch: &Batch, look: Look) -> Self {
-        let Batch { surface, layout, .. } = batch;
+        let Batch { surface, layout, table, .. } = batch;
         let how = |slot: usize| match surface.bindings[slot].map(|binding| binding.coordinate) {
             None => 0,
             Some(Coordinate::Mesh) => 1,
@@ -53,6 +53,7 @@ impl Key {
             ("UV_AT", layout.uv as u32),
             ("UV_SETS", layout.uv_set_count as u32),
             ("MESH_AT", layout.mesh.unwrap_or(0) as u32),
+            ("INDEXED", u32::from(table.is_some())),
         ];
         Self { overrides, is_double_sided: surface.double_sided, is_blended: alpha == 2 }
     }
@@ -70,7 +71,7 @@ impl Pipelines {
     pub fn new(gpu: &Gpu) -> Self {
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("preview"),
-            source: wgpu::ShaderSource::Wgsl(format!("{WGSL}\n{PREVIEW_WGSL}").into()),
+            source: wgpu::ShaderSource::Wgsl(format!("{WGSL}\n{WGSL_INDEXED}\n{PREVIEW_WGSL}").into()),
         });
         let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
         let uniform = |binding| buffer(binding, wgpu::BufferBindingType::Uniform, both);
@@ -93,6 +94,7 @@ impl Pipelines {
             let ty = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
             entry(binding, ty, wgpu::ShaderStages::FRAGMENT)
         }));
+        entries.extend([13, 14].map(|binding| storage(binding, wgpu::ShaderStages::FRAGMENT)));
         let group = |entries: &[wgpu::BindGroupLayoutEntry]| {
             gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: None, entries })
         };

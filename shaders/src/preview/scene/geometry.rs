@@ -1,12 +1,15 @@
 //! Corners as both renderers read them: one run of floats per primitive and instance, already in view
 //! space, with the attributes that its surface asks for and no others.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 use meshcolor::asset::{Primitive, Slot};
-use meshcolor::finished::FinishedPrimitive;
+use meshcolor::finished::{Anchor, FinishedPrimitive};
 use meshcolor::source::tangents;
 
 use super::surface::{Coordinate, Surface};
+use crate::twins::indexed::MctBlockTable;
 
 /// Where a corner's attributes stand in its record, in floats. Position is at 0, normal at 3.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +20,7 @@ pub struct RecordLayout {
     /// `uv_set_count` times 2 floats.
     pub uv: usize,
     pub uv_set_count: usize,
-    /// The 4D coordinate, 4 floats.
+    /// The mesh coordinate, 4 floats: scaled and offset, or local, number of the block and class.
     pub mesh: Option<usize>,
 }
 
@@ -42,6 +45,8 @@ impl RecordLayout {
 pub struct Batch {
     pub surface: Surface,
     pub layout: RecordLayout,
+    /// Of indexed coordinates.
+    pub table: Option<Arc<MctBlockTable>>,
     /// `3 * triangle_count` records. Fronts are counterclockwise.
     pub records: Vec<f32>,
 }
@@ -64,8 +69,10 @@ impl Batch {
 /// A primitive on its way into a batch.
 pub struct BatchInput<'a> {
     pub primitive: &'a Primitive,
-    /// Its 4D coordinates; `None` on the source's side and for primitives that were not converted.
+    /// Its coordinates; `None` on the source's side and for primitives that were not converted.
     pub finished: Option<&'a FinishedPrimitive>,
+    /// The table of those, where they are indexed.
+    pub table: Option<Arc<MctBlockTable>>,
     pub surface: Surface,
     /// Mesh space to view space.
     pub to_view: DAffine3,
@@ -111,12 +118,16 @@ pub fn batch(input: BatchInput<'_>) -> Batch {
             }
             if let (Some(_), Some(finished)) = (layout.mesh, input.finished) {
                 let triangle = &finished.triangles[number];
-                records.extend_from_slice(&triangle.scaled[corner].to_array());
-                records.extend_from_slice(&triangle.offset.to_array());
+                records.extend_from_slice(&triangle.corners[corner].to_array());
+                records.extend_from_slice(&match triangle.anchor {
+                    Anchor::Offset(offset) => offset.to_array(),
+                    Anchor::Block { class, number } => [number as f32, class as f32],
+                });
             }
         }
     }
-    Batch { surface: input.surface, layout, records }
+    let table = input.table.filter(|_| layout.mesh.is_some());
+    Batch { surface: input.surface, layout, table, records }
 }
 
 fn touches(corners: &[DVec3; 3], [low, high]: [DVec3; 2]) -> bool {

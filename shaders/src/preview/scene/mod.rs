@@ -9,16 +9,18 @@ pub mod texture;
 pub mod views;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use meshcolor::asset::{AlphaMode, Asset, Instance};
-use meshcolor::finished::{Finished, FinishedPrimitive};
+use meshcolor::finished::{Coordinates, Finished, FinishedPrimitive};
 
 use self::camera::Camera;
 use self::geometry::{Batch, BatchInput, batch};
 use self::surface::{Look, Side, Surface};
 use self::texture::{Texture, TextureList};
 use super::PreviewError;
+use crate::twins::indexed::MctBlockTable;
 
 /// How textures are filtered between levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +60,8 @@ pub struct Scene<'a> {
     source: Surfaces,
     converted: Surfaces,
     converted_primitives: BTreeMap<(usize, usize), &'a FinishedPrimitive>,
+    /// By material: of indexed coordinates, which its primitives have in common.
+    tables: BTreeMap<usize, Arc<MctBlockTable>>,
     /// How many of `Asset::instances`, from the first, are drawn.
     pub drawn_instance_count: usize,
 }
@@ -90,6 +94,7 @@ impl<'a> Scene<'a> {
             source,
             converted,
             converted_primitives: converted_primitives.collect(),
+            tables: tables(finished),
             drawn_instance_count: drawn_instances(asset),
         })
     }
@@ -155,7 +160,8 @@ impl<'a> Scene<'a> {
         let surfaces = if finished.is_some() { &self.converted } else { &self.source };
         let surface = surfaces.get(&primitive.material)?.reduced(look);
         let Placed { to_view, keep } = placed;
-        let batch = batch(BatchInput { primitive, finished, surface, to_view, keep });
+        let table = finished.and_then(|finished| self.tables.get(&finished.material)).cloned();
+        let batch = batch(BatchInput { primitive, finished, table, surface, to_view, keep });
         (batch.triangle_count() > 0).then_some(((primitive.material, finished.is_some()), batch))
     }
 
@@ -178,6 +184,16 @@ impl<'a> Scene<'a> {
         let instances = self.asset.instances[..self.drawn_instance_count].iter();
         instances.map(|instance| mesh_triangles(self.asset, instance.mesh)).sum()
     }
+}
+
+fn tables(finished: &Finished) -> BTreeMap<usize, Arc<MctBlockTable>> {
+    let mut tables = BTreeMap::new();
+    for primitive in &finished.primitives {
+        if let Coordinates::Indexed(table) = &primitive.coordinates {
+            tables.entry(primitive.material).or_insert_with(|| Arc::new(MctBlockTable::new(table)));
+        }
+    }
+    tables
 }
 
 struct Placed {

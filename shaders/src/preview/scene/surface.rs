@@ -29,7 +29,7 @@ pub enum Look {
 pub enum Coordinate {
     /// Texture coordinates: number in `Surface::uv_sets`.
     Uv { set: usize, wrap: Wrap },
-    /// The 4D coordinate.
+    /// The mesh coordinate, 4D or indexed.
     Mesh,
 }
 
@@ -80,7 +80,7 @@ impl Surface {
         }
     }
 
-    /// A material (`None`: glTF's default one) on one side. The converted side reads a slot by 4D
+    /// A material (`None`: glTF's default one) on one side. The converted side reads a slot by mesh
     /// coordinate where that slot was converted and the primitive has such coordinates.
     pub fn new(
         list: &mut TextureList<'_>,

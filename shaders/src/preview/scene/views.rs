@@ -1,6 +1,6 @@
 //! Which pictures the sheet has: the whole asset, then the worst seam at forced levels.
 
-use glam::{DVec3, Vec2};
+use glam::DVec3;
 use meshcolor::asset::Slot;
 use meshcolor::pipeline::Focus;
 
@@ -138,10 +138,10 @@ fn texels_per_unit(scene: &Scene<'_>, focus: &Focus) -> Option<f64> {
         if !at.iter().any(|position| focus.ends.contains(position)) {
             continue;
         }
+        let along = finished.coordinates.texels(triangle);
         for corner in 0..3 {
             let next = (corner + 1) % 3;
-            let scaled: Vec2 = triangle.scaled[next] - triangle.scaled[corner];
-            texels += f64::from(scaled.length());
+            texels += f64::from(along[next].distance(along[corner]));
             length += at[corner].as_dvec3().distance(at[next].as_dvec3());
         }
     }

@@ -8,7 +8,10 @@ use glam::{Affine3A, Mat2, Vec2, Vec3, Vec4};
 use meshcolor::asset::{
     AlphaMode, Asset, Face, Instance, Material, Mesh, Primitive, Slot, TextureRef, UvTransform,
 };
-use meshcolor::finished::{Finished, FinishedPrimitive, FinishedTexture, FinishedTriangle, Frame};
+use meshcolor::finished::{
+    Anchor, BlockClass, BlockTable, Coordinates, Finished, FinishedPrimitive, FinishedTexture,
+    FinishedTriangle, Frame, TableLevel,
+};
 use meshcolor::image::{Image, Pixels, Transfer, Wrap, WrapMode};
 use meshcolor::math::transfer::linear_to_srgb;
 use meshcolor::measure::{Growth, Report, SubjectKind, Verdict};
@@ -175,8 +178,8 @@ fn primitives() -> (Primitive, FinishedPrimitive) {
         for piece in [[0, 1, 2], [0, 2, 3]] {
             triangles.push(FinishedTriangle {
                 vertices: piece.map(|corner| first + corner as u32),
-                scaled: piece.map(|corner| (block_at + corners[corner]) * segments),
-                offset: block_at + 0.5,
+                corners: piece.map(|corner| (block_at + corners[corner]) * segments),
+                anchor: Anchor::Offset(block_at + 0.5),
             });
             frames.push(piece.map(|corner| Frame {
                 normal: source.normals[first as usize + corner],
@@ -184,7 +187,9 @@ fn primitives() -> (Primitive, FinishedPrimitive) {
             }));
         }
     }
-    let finished = FinishedPrimitive { mesh: 0, primitive: 0, material: 0, triangles, frames, cuts: vec![] };
+    let coordinates = Coordinates::Scaled;
+    let (mesh, primitive, material, cuts) = (0, 0, 0, vec![]);
+    let finished = FinishedPrimitive { mesh, primitive, material, coordinates, triangles, frames, cuts };
     (source, finished)
 }
 
@@ -264,6 +269,26 @@ pub fn ball() -> Conversion {
         primitives: vec![finished_primitive],
     };
     Conversion { asset, finished, report: report(), files: vec![], focus: Some(focus()) }
+}
+
+/// The ball with indexed coordinates: the same images and places.
+pub fn indexed_ball() -> Conversion {
+    let mut conversion = ball();
+    let piece = &mut conversion.finished.primitives[0];
+    let exponents = [EXPONENT as u8; 2];
+    let shape = BlockClass { exponents, cells: [1, 1], gap: [1, 1], shift: [0, 0] };
+    // Another class stands before it, which nothing uses.
+    let level =
+        TableLevel { columns: vec![1, BLOCK_COLUMNS as u32], firsts: vec![0; 2], origins: vec![[0, 0]; 2] };
+    let table = BlockTable { classes: vec![shape, shape], levels: vec![level; EXPONENT + 1] };
+    piece.coordinates = Coordinates::Indexed(table.into());
+    for (number, triangle) in piece.triangles.iter_mut().enumerate() {
+        let [x, y] = [number / 2 % BLOCK_COLUMNS, number / 2 / BLOCK_COLUMNS].map(|n| n as f32);
+        let segments = (1 << EXPONENT) as f32;
+        triangle.corners = triangle.corners.map(|corner| corner / segments - Vec2::new(x, y));
+        triangle.anchor = Anchor::Block { class: 1, number: (number / 2) as u32 };
+    }
+    conversion
 }
 
 /// Gives the ball all five slots, alpha, a second texture coordinate set, wrapping, a transform, 16-bit

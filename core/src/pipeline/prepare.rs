@@ -1,0 +1,106 @@
+//! A material before anything of it is stored: its faces, triangles in pairs, and what its channels do not join.
+
+use glam::Vec3;
+
+use crate::asset::Asset;
+use crate::colors::Cuts;
+use crate::error::Result;
+use crate::mesh::{CanvasEdge, CanvasFace, CanvasMesh, Drawn, Polygons, Side, build, merge};
+use crate::resample::{find_cuts, pair_triangles};
+use crate::source::tangents::corner_normals;
+use crate::source::{SourceChannel, SurfaceSource};
+use crate::watch::Watch;
+
+use super::options::Options;
+
+pub struct Prepared<'a> {
+    pub material: usize,
+    pub canvas: CanvasMesh,
+    /// By channel.
+    pub sources: Vec<SurfaceSource<'a>>,
+    /// By channel.
+    pub cuts: Vec<Cuts>,
+    /// By face and corner; of a material with a normal map.
+    pub normals: Option<Vec<[Vec3; 4]>>,
+}
+
+/// `None` where the material has no texture or no face.
+pub fn prepare<'a>(
+    asset: &'a Asset,
+    material: usize,
+    channels: &'a [SourceChannel<'a>],
+    options: &Options,
+    watch: &dyn Watch,
+) -> Result<Option<Prepared<'a>>> {
+    if channels.is_empty() {
+        return Ok(None);
+    }
+    let canvas = canvas_of(asset, material);
+    if canvas.faces.is_empty() {
+        return Ok(None);
+    }
+    let sources: Vec<SurfaceSource<'a>> =
+        channels.iter().map(|channel| SurfaceSource::new(channel, asset, &canvas)).collect();
+    let cuts: Vec<Cuts> = (sources.iter())
+        .map(|source| find_cuts(source, &canvas, options.cut_codes, watch))
+        .collect::<Result<_>>()?;
+    let has_normals = channels.iter().any(SourceChannel::is_normal);
+    let normals = has_normals.then(|| normals_of(asset, &canvas));
+    let mergeable = mergeable(&canvas, &cuts, normals.as_deref());
+    let merged = merge(&canvas, &pair_triangles(&canvas, &sources, &mergeable));
+    let sources = sources.iter().map(|source| source.merged(&merged)).collect();
+    let kept = |cuts: &Cuts| merged.old_edges.iter().map(|&edge| cuts.edges[edge as usize]).collect();
+    let cuts = cuts.iter().map(|cuts| Cuts { edges: kept(cuts) }).collect();
+    let canvas = merged.canvas;
+    let normals = has_normals.then(|| normals_of(asset, &canvas));
+    Ok(Some(Prepared { material, canvas, sources, cuts, normals }))
+}
+
+fn canvas_of(asset: &Asset, material: usize) -> CanvasMesh {
+    let primitives = asset.meshes.iter().zip(0u32..).flat_map(|(mesh, mesh_number)| {
+        mesh.primitives.iter().zip(0u32..).map(move |(primitive, number)| (mesh_number, number, primitive))
+    });
+    let mut faces: Vec<_> = primitives
+        .filter(|(_, _, primitive)| primitive.material == Some(material))
+        .map(|(mesh, number, primitive)| {
+            let faces = primitive.faces.iter().map(|face| (face.corners, face.count));
+            (mesh, number, &primitive.positions, faces)
+        })
+        .collect();
+    build(faces.iter_mut().map(|(mesh, primitive, positions, faces)| Polygons {
+        mesh: *mesh,
+        primitive: *primitive,
+        positions,
+        faces,
+    }))
+}
+
+/// By face and corner.
+fn normals_of(asset: &Asset, canvas: &CanvasMesh) -> Vec<[Vec3; 4]> {
+    let of_face = |face: &CanvasFace| {
+        let of_drawn = |drawn: &Drawn| {
+            let primitive = &asset.meshes[face.mesh as usize].primitives[drawn.primitive as usize];
+            let normals = corner_normals(primitive, &primitive.faces[drawn.face as usize]);
+            drawn.corners.map(|corner| normals[usize::from(corner)])
+        };
+        let [[a, b, c], [_, _, d]] = face.drawn.each_ref().map(of_drawn);
+        [a, b, c, d]
+    };
+    canvas.faces.iter().map(of_face).collect()
+}
+
+/// Edges across which two triangles may become one quad: no channel cuts them, and with a normal map both
+/// sides have the same normals there, since the texels of the diagonal are stored once.
+fn mergeable(canvas: &CanvasMesh, cuts: &[Cuts], normals: Option<&[[Vec3; 4]]>) -> Vec<bool> {
+    let one = |(number, edge): (usize, &CanvasEdge)| {
+        let &[a, b] = canvas.sides(edge) else { return false };
+        let same_normals = |normals: &[[Vec3; 4]]| {
+            (0..2).all(|end| {
+                let normal = |side: Side| normals[side.face as usize][canvas.corner_at_end(side, end)];
+                normal(a) == normal(b)
+            })
+        };
+        !cuts.iter().any(|cuts| cuts.edges[number]) && normals.is_none_or(same_normals)
+    };
+    canvas.edges.iter().enumerate().map(one).collect()
+}
