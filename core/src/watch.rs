@@ -52,7 +52,7 @@ pub trait Watch: Sync {
     fn stage(&self, _stage: Stage) {}
 
     /// A named step inside the current stage, for finer clocks than stages: image decoding
-    /// (`"decode"`) and encoding (`"encode"`). Steps do not nest; `None` ends the step.
+    /// (`"decode"`) and encoding (`"encode"`, `"compress"`, `"refit"`, `"textures"`). Steps do not nest; `None` ends the step.
     fn step(&self, _name: Option<&'static str>) {}
 
     /// Share of the whole conversion that is done, 0 to 1, never falling.

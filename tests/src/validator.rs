@@ -1,5 +1,6 @@
-//! The Khronos glTF validator, which runs under Node (`tests/validator`).
+//! Foreign readers, which run under Node (`tests/validator`): the Khronos glTF validator, and ktx-parse.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -33,22 +34,61 @@ struct Report {
 /// Where the validator does not run to its end, and where it is missing although `tests/run` installed
 /// it.
 pub fn issues(glb: &[u8]) -> Option<Vec<Issue>> {
+    let printed = node(&["validate.mjs", "-"], "gltf-validator", glb)?;
+    let report: Report = serde_json::from_slice(&printed).expect("the validator prints JSON");
+    Some(report.issues)
+}
+
+/// What ktx-parse reads in a KTX2 file; lists are as `validator/ktx.mjs` makes them.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Ktx {
+    pub format: u32,
+    pub type_size: u32,
+    pub size: [u32; 2],
+    pub depth_layers_faces: [u32; 3],
+    pub supercompression: u32,
+    /// Stored and unpacked bytes of each level.
+    pub levels: Vec<[u64; 2]>,
+    pub keys: BTreeMap<String, String>,
+    pub model: u8,
+    pub primaries: u8,
+    pub transfer: u8,
+    /// Sides of a block of texels, less one.
+    pub block: Vec<u32>,
+    pub plane_bytes: u64,
+    /// First bit and, less one, number of bits of each sample.
+    pub samples: Vec<[u32; 2]>,
+}
+
+/// KTX2 files as ktx-parse reads them, or `None` where Node or the package is missing.
+///
+/// # Panics
+/// As [`issues`], and where a file is none that the package reads.
+pub fn ktx(files: &[&[u8]]) -> Option<Vec<Ktx>> {
+    let lengths = files.iter().map(|file| (file.len() as u32).to_le_bytes());
+    let input: Vec<u8> = lengths.zip(files).flat_map(|(length, file)| [&length[..], file].concat()).collect();
+    let printed = node(&["ktx.mjs"], "ktx-parse", &input)?;
+    let lines = printed.split(|byte| *byte == b'\n').filter(|line| !line.is_empty());
+    Some(lines.map(|line| serde_json::from_slice(line).expect("a line of JSON")).collect())
+}
+
+/// Runs a script of `validator/` that needs a package; returns what it prints.
+fn node(arguments: &[&str], package: &str, input: &[u8]) -> Option<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("validator");
     let start = || {
         let mut node = Command::new("node");
-        node.args(["validate.mjs", "-"]).current_dir(&folder);
+        node.args(arguments).current_dir(&folder);
         node.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::inherit()).spawn().ok()
     };
-    let is_installed = folder.join("node_modules/gltf-validator").is_dir();
+    let is_installed = folder.join("node_modules").join(package).is_dir();
     let Some(mut node) = is_installed.then(start).flatten() else {
-        assert!(!crate::requires_tools(), "the glTF validator is missing: run npm ci in tests/validator");
+        assert!(!crate::requires_tools(), "{package} is missing: run npm ci in tests/validator");
         return None;
     };
-    node.stdin.take().expect("stdin is piped").write_all(glb).expect("node reads the file");
+    node.stdin.take().expect("stdin is piped").write_all(input).expect("node reads its input");
     let output = node.wait_with_output().expect("node ends");
-    assert!(output.status.success(), "the glTF validator failed: {}", output.status);
-    let report: Report = serde_json::from_slice(&output.stdout).expect("the validator prints JSON");
-    Some(report.issues)
+    assert!(output.status.success(), "{package} failed: {}", output.status);
+    Some(output.stdout)
 }
 
 /// Fails with the list when there is an error or, where `warnings_too`, a warning. Prints that the test

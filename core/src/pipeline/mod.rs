@@ -5,6 +5,7 @@ mod assemble;
 mod bare_normals;
 mod changes;
 mod channel;
+mod compression;
 mod material;
 pub mod options;
 mod prepare;
@@ -20,6 +21,7 @@ pub use crate::measure::Focus;
 pub use crate::mip::{Beyond, MipFilter};
 pub use crate::resample::{Resolution, Sampling};
 pub use crate::solve::Solver;
+pub use crate::write::textures::{BlockFormat, TextureFormat};
 pub use options::{OPTIONS, OptionSpec, Options, Quality};
 
 use crate::asset::Asset;
@@ -52,7 +54,7 @@ pub struct Conversion {
     pub asset: Asset,
     pub finished: Finished,
     pub report: Report,
-    /// `asset.glb` and `report.json`, deterministic to the byte.
+    /// `asset.glb`, `report.json` and the loose textures asked for, deterministic to the byte.
     pub files: Vec<BundleFile>,
     /// Where a picture should look: the edge on which the source's mip maps disagree most although its
     /// level 0 agrees.
@@ -97,6 +99,7 @@ pub struct Product {
 /// # Errors
 /// As [`convert_asset`].
 pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &dyn Watch) -> Result<Product> {
+    options.check()?;
     let mut progress = Progress::new(watch);
     progress.part(1.0);
     progress.advance(READ_SHARE);
@@ -107,14 +110,21 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     let measured = measure::converted(asset, &finished, &extras, watch)?;
     progress.part(1.0);
     progress.advance(MEASURE_SHARE);
-    let glb = write::glb(asset, &finished, watch)?;
+    let blocks = compression::compress(asset, &finished, &measured.channels, options, watch)?;
+    let pngs = write::encode(&finished, watch)?;
+    let compressed = blocks.as_ref().map(|blocks| &blocks.compressed);
+    let source = write::textures::Source { asset, finished: &finished, pngs: &pngs, compressed };
+    let loose = write::textures::files(&source, &options.textures, watch)?;
+    let glb = write::glb_of(asset, &finished, pngs, watch)?;
     let focus = measured.focus;
     let converted = report::Converted { asset, finished: &finished, materials: &materials };
-    let report = report::of_conversion(&converted, measured, options, &glb);
-    let files = vec![
+    let mut report = report::of_conversion(&converted, measured, options, &glb);
+    report.compression = blocks.map(|blocks| blocks.reports).unwrap_or_default();
+    let mut files = vec![
         BundleFile { path: "asset.glb".into(), bytes: glb.bytes },
         BundleFile { path: "report.json".into(), bytes: report::to_bytes(&report)? },
     ];
+    files.extend(loose);
     watch.progress(1.0);
     Ok(Product { finished, report, files, focus })
 }

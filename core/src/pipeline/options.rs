@@ -1,6 +1,13 @@
 //! The options of a conversion, each defined once: flags, HTTP fields, OpenAPI and the docs come from
 //! [`OPTIONS`].
 
+mod table;
+#[cfg(test)]
+mod tests;
+mod text;
+
+use std::collections::BTreeSet;
+
 use serde_json::{Map, Value};
 
 use crate::assign::{Range, Rounding};
@@ -9,6 +16,14 @@ use crate::layout::Coordinates;
 use crate::mip::{Beyond, MipFilter};
 use crate::resample::{Resolution, Sampling};
 use crate::solve::Solver;
+use crate::write::textures::{BlockFormat, TextureFormat};
+
+use table::{
+    BEYONDS, BLOCKS, COORDINATES, MIP_FILTERS, QUALITIES, RANGES, ROUNDINGS, SAMPLINGS, SOLVERS, TEXELS_MAX,
+    TEXTURES,
+};
+pub use table::{OPTIONS, OptionSpec};
+use text::{NONE, in_range, list, name_of, named, optional, parse_list};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
@@ -28,6 +43,10 @@ pub struct Options {
     pub coordinates: Coordinates,
     /// Edges whose two sides differ by more than this many codes are kept as cuts.
     pub cut_codes: f32,
+    /// What the levels come along as, beside `asset.glb`.
+    pub textures: BTreeSet<TextureFormat>,
+    /// What KTX2 files hold instead of texels, where it fits.
+    pub compress: BTreeSet<BlockFormat>,
 }
 
 impl Default for Options {
@@ -43,155 +62,6 @@ pub enum Quality {
     Standard,
     Exact,
 }
-
-const QUALITIES: &[(&str, Quality)] =
-    &[("draft", Quality::Draft), ("standard", Quality::Standard), ("exact", Quality::Exact)];
-/// `filtered` takes a count behind a colon too.
-const SAMPLINGS: &[(&str, Sampling)] =
-    &[("point", Sampling::Point), ("filtered", Sampling::Filtered(None)), ("fitted", Sampling::Fitted)];
-const MIP_FILTERS: &[(&str, MipFilter)] = &[("uniform", MipFilter::Uniform), ("area", MipFilter::Area)];
-const BEYONDS: &[(&str, Beyond)] = &[("one-ring", Beyond::OneRing), ("heat", Beyond::Heat)];
-const SOLVERS: &[(&str, Solver)] = &[
-    ("clamp", Solver::Clamp),
-    ("local", Solver::Local),
-    ("global", Solver::Global),
-    ("exact", Solver::Exact),
-];
-const RANGES: &[(&str, Range)] =
-    &[("unorm8", Range::Unorm8), ("scaled16", Range::Scaled16), ("float16", Range::Float16)];
-/// More than any set of textures has.
-const TEXELS_MAX: u64 = 1 << 32;
-const ROUNDINGS: &[(&str, Rounding)] = &[("nearest", Rounding::Nearest), ("rules", Rounding::Rules)];
-const COORDINATES: &[(&str, Coordinates)] = &[("4d", Coordinates::Scaled), ("indexed", Coordinates::Indexed)];
-
-/// One option as every interface shows it.
-#[derive(Clone, Copy, Debug)]
-pub struct OptionSpec {
-    /// `--name` on the command line, the field's name over HTTP.
-    pub name: &'static str,
-    /// What stands for the value in help texts.
-    pub value_name: &'static str,
-    /// Without the option; of the preset `standard` where the option follows the quality.
-    pub default: &'static str,
-    /// Whether `quality` sets it too, for whoever doesn't name it.
-    pub follows_quality: bool,
-    /// The names that it takes, from the cheapest on; empty where it takes figures.
-    pub rungs: &'static [&'static str],
-    /// The values that are allowed, in words.
-    pub allowed: &'static str,
-    pub doc: &'static str,
-}
-
-pub const OPTIONS: &[OptionSpec] = &[
-    OptionSpec {
-        name: "quality",
-        value_name: "PRESET",
-        default: "standard",
-        follows_quality: false,
-        rungs: &names::<_, 3>(QUALITIES),
-        allowed: "draft, standard, exact",
-        doc: "A set of rungs, one of each ladder below, and a resolution; what is named by itself counts before it",
-    },
-    OptionSpec {
-        name: "sampling",
-        value_name: "RUNG",
-        default: "point",
-        follows_quality: true,
-        rungs: &names::<_, 3>(SAMPLINGS),
-        allowed: "point, filtered or filtered:K with K in 1..=16 (fetches along a side of a cell; without K, one for each source texel), fitted",
-        doc: "How a sample gets its value: one bilinear fetch, the source integrated against the sample's hat function, or the samples whose interpolation is nearest to the source",
-    },
-    OptionSpec {
-        name: "resolution",
-        value_name: "RULE",
-        default: "area:1",
-        follows_quality: true,
-        rungs: &[],
-        allowed: "area:F with F in 0.001..=64 (texels per source texel), fixed:R with R in 0..=12 (sides of 2^R segments), density:D with D in 1e-6..=1e9 (texels per world unit)",
-        doc: "How many samples a face gets",
-    },
-    OptionSpec {
-        name: "max-error",
-        value_name: "CODES",
-        default: "none",
-        follows_quality: false,
-        rungs: &[],
-        allowed: "none, or 0.01..=255 (8-bit codes: root mean square over a face, and four times that anywhere)",
-        doc: "Faces get as few samples as show every channel within this of the source, at most as many as by `resolution`",
-    },
-    OptionSpec {
-        name: "texels",
-        value_name: "COUNT",
-        default: "none",
-        follows_quality: false,
-        rungs: &[],
-        allowed: "none, or 1..=4294967296 (texels of level 0 of one channel, all materials together)",
-        doc: "A budget, spent over all faces and channels where it takes away most error; a face gets at most four times the texels that `resolution` gives it, or as many as by `max-error`",
-    },
-    OptionSpec {
-        name: "mip",
-        value_name: "RUNG",
-        default: "area",
-        follows_quality: true,
-        rungs: &names::<_, 2>(MIP_FILTERS),
-        allowed: "uniform, area",
-        doc: "How a coarse sample weighs the fine ones around it: by its hat function alone, or by their surface area too",
-    },
-    OptionSpec {
-        name: "beyond",
-        value_name: "RUNG",
-        default: "heat",
-        follows_quality: true,
-        rungs: &names::<_, 2>(BEYONDS),
-        allowed: "one-ring, heat",
-        doc: "How levels go on where a face is down to its vertices: the mean over neighboring vertices, or heat flow over the surface",
-    },
-    OptionSpec {
-        name: "solver",
-        value_name: "RUNG",
-        default: "global",
-        follows_quality: true,
-        rungs: &names::<_, 4>(SOLVERS),
-        allowed: "clamp, local, global, exact",
-        doc: "What is done about texels outside the format's range: clamp them, change samples face by face, the least change of the whole level, or the same by a library (slow)",
-    },
-    OptionSpec {
-        name: "range",
-        value_name: "RUNG",
-        default: "float16",
-        follows_quality: true,
-        rungs: &names::<_, 3>(RANGES),
-        allowed: "unorm8 (codes as the source has them), scaled16 (16 bits with a scale and a bias), float16",
-        doc: "How levels are stored where texels beyond vertex colors leave [0, 1], more than 5 % of the count of samples",
-    },
-    OptionSpec {
-        name: "rounding",
-        value_name: "RUNG",
-        default: "rules",
-        follows_quality: true,
-        rungs: &names::<_, 2>(ROUNDINGS),
-        allowed: "nearest, rules",
-        doc: "How samples become codes: each texel to the nearest, or samples first, so that texels made from them keep their rules",
-    },
-    OptionSpec {
-        name: "coordinates",
-        value_name: "RUNG",
-        default: "indexed",
-        follows_quality: true,
-        rungs: &names::<_, 2>(COORDINATES),
-        allowed: "4d, indexed",
-        doc: "How a viewer finds texels: u_s / 2^level + u_delta, or by the number of a face's block and a table of levels, which needs fewer texels and no change of colors at coarse levels",
-    },
-    OptionSpec {
-        name: "cut",
-        value_name: "CODES",
-        default: "8",
-        follows_quality: false,
-        rungs: &[],
-        allowed: "0..=255 (8-bit codes; 2 codes stand for 1 degree of a normal)",
-        doc: "Edges whose two sides differ by more than this at full resolution keep their two sides",
-    },
-];
 
 impl Options {
     /// The rungs of a preset, and the defaults of everything else.
@@ -209,6 +79,8 @@ impl Options {
             rounding: Rounding::Rules,
             coordinates: Coordinates::Indexed,
             cut_codes: 8.0,
+            textures: BTreeSet::new(),
+            compress: BTreeSet::new(),
         };
         match quality {
             Quality::Draft => {
@@ -221,12 +93,8 @@ impl Options {
 
     /// Sets every rung to those of a preset.
     fn set_quality(&mut self, quality: Quality) {
-        *self = Self {
-            cut_codes: self.cut_codes,
-            max_error: self.max_error,
-            texels: self.texels,
-            ..Self::of(quality)
-        };
+        let Self { cut_codes, max_error, texels, textures, compress, .. } = self.clone();
+        *self = Self { cut_codes, max_error, texels, textures, compress, ..Self::of(quality) };
     }
 
     /// Sets one option from its text form. `quality` sets all rungs, so it comes before them.
@@ -255,6 +123,10 @@ impl Options {
             "cut" => {
                 self.cut_codes = in_range(value, 0.0, 255.0).ok_or_else(refuse)?;
             }
+            "textures" => self.textures = parse_textures(value)?,
+            "compress" => {
+                self.compress = parse_list(BLOCKS, value).filter(is_one_way).ok_or_else(refuse)?;
+            }
             _ => {
                 let names: Vec<_> = OPTIONS.iter().map(|spec| spec.name).collect();
                 return Err(Error::new(
@@ -279,7 +151,24 @@ impl Options {
                 other => return Err(refused(name, &other.to_string())),
             }
         }
+        options.check()?;
         Ok(options)
+    }
+
+    /// Whether the options go together; each alone was checked as it was set.
+    ///
+    /// # Errors
+    /// `InvalidOptions`, naming the option that cannot be met.
+    pub fn check(&self) -> Result<()> {
+        if self.compress.is_empty() || self.textures.contains(&TextureFormat::Ktx2) {
+            return Ok(());
+        }
+        let detail = format!(
+            "compress = \"{}\" is about loose KTX2 files, and textures = \"{}\" asks for none; add ktx2 to textures",
+            list(BLOCKS, &self.compress),
+            list(TEXTURES, &self.textures)
+        );
+        Err(Error::new(ErrorCode::InvalidOptions, detail).at("/compress"))
     }
 
     /// Every option with its value, in the order of [`OPTIONS`].
@@ -297,8 +186,8 @@ impl Options {
             name_of(QUALITIES, self.quality).into(),
             sampling.into(),
             resolution.into(),
-            self.max_error.map_or("none".into(), |codes| f64::from(codes).into()),
-            self.texels.map_or("none".into(), Value::from),
+            self.max_error.map_or(NONE.into(), |codes| f64::from(codes).into()),
+            self.texels.map_or(NONE.into(), Value::from),
             name_of(MIP_FILTERS, self.mip).into(),
             name_of(BEYONDS, self.beyond).into(),
             name_of(SOLVERS, self.solver).into(),
@@ -306,29 +195,11 @@ impl Options {
             name_of(ROUNDINGS, self.rounding).into(),
             name_of(COORDINATES, self.coordinates).into(),
             f64::from(self.cut_codes).into(),
+            list(TEXTURES, &self.textures).into(),
+            list(BLOCKS, &self.compress).into(),
         ];
         OPTIONS.iter().map(|spec| spec.name.to_owned()).zip(values).collect()
     }
-}
-
-/// The names of a table, for [`OptionSpec::rungs`].
-const fn names<T, const COUNT: usize>(table: &[(&'static str, T)]) -> [&'static str; COUNT] {
-    assert!(table.len() == COUNT);
-    let mut names = [""; COUNT];
-    let mut at = 0;
-    while at < COUNT {
-        names[at] = table[at].0;
-        at += 1;
-    }
-    names
-}
-
-fn named<T: Copy>(table: &[(&str, T)], value: &str) -> Option<T> {
-    table.iter().find(|(name, _)| *name == value).map(|(_, rung)| *rung)
-}
-
-fn name_of<T: PartialEq>(table: &[(&'static str, T)], value: T) -> &'static str {
-    table.iter().find(|(_, rung)| *rung == value).map_or("", |(name, _)| name)
 }
 
 fn parse_sampling(value: &str) -> Option<Sampling> {
@@ -352,45 +223,24 @@ fn parse_resolution(value: &str) -> Option<Resolution> {
     }
 }
 
-/// `none`, or what `parse` makes of the value; `None` where it makes nothing of it.
-fn optional<T>(value: &str, parse: impl Fn(&str) -> Option<T>) -> Option<Option<T>> {
-    if value == "none" { Some(None) } else { parse(value).map(Some) }
+fn parse_textures(value: &str) -> Result<BTreeSet<TextureFormat>> {
+    if value.split(',').any(|name| matches!(name.trim(), "jpeg" | "jpg")) {
+        let mut error = refused("textures", value);
+        error.detail.push_str(
+            "; JPEG is not: it changes the texels on the two sides of an edge differently, so seams would come back",
+        );
+        return Err(error);
+    }
+    parse_list(TEXTURES, value).ok_or_else(|| refused("textures", value))
 }
 
-fn in_range(value: &str, low: f32, high: f32) -> Option<f32> {
-    value.parse::<f32>().ok().filter(|v| (low..=high).contains(v))
+/// BC7 and ASTC are for the same levels.
+fn is_one_way(formats: &BTreeSet<BlockFormat>) -> bool {
+    !formats.is_superset(&BTreeSet::from([BlockFormat::Bc7, BlockFormat::Astc]))
 }
 
 fn refused(name: &str, value: &str) -> Error {
     let allowed = OPTIONS.iter().find(|spec| spec.name == name).map_or("", |spec| spec.allowed);
     Error::new(ErrorCode::InvalidOptions, format!("{name} = \"{value}\" is not allowed; allowed: {allowed}"))
         .at(format!("/{name}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn told_defaults_are_the_defaults() {
-        for spec in OPTIONS {
-            let mut options = Options::default();
-            options.set(spec.name, spec.default).unwrap();
-            assert_eq!(options, Options::default(), "{}", spec.name);
-        }
-    }
-
-    #[test]
-    fn rungs_are_values_that_are_told_and_read_back() {
-        for spec in OPTIONS {
-            for rung in spec.rungs {
-                let mut options = Options::default();
-                options.set(spec.name, rung).unwrap();
-                assert_eq!(options.to_json()[spec.name], *rung);
-                assert!(spec.allowed.contains(rung), "{} does not tell {rung}", spec.name);
-            }
-            let is_ladder = spec.name != "quality" && spec.name != "resolution" && spec.follows_quality;
-            assert_eq!(is_ladder || spec.name == "quality", !spec.rungs.is_empty(), "{}", spec.name);
-        }
-    }
 }

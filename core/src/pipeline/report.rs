@@ -126,6 +126,7 @@ pub fn of_check(
         layouts: measured.layouts,
         growth,
         effects: Vec::new(),
+        compression: Vec::new(),
     }
 }
 

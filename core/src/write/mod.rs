@@ -14,6 +14,7 @@ mod primitives;
 mod references;
 #[cfg(test)]
 mod tests;
+pub mod textures;
 mod vertices;
 
 use std::collections::BTreeMap;
@@ -54,16 +55,36 @@ pub struct Glb {
 /// `Canceled`; `InvalidModel` where a part of the source that has to be kept lies outside of its
 /// buffer; `Internal` where `asset` and `finished` contradict each other.
 pub fn glb(asset: &Asset, finished: &Finished, watch: &dyn Watch) -> Result<Glb> {
+    let pngs = encode(finished, watch)?;
+    glb_of(asset, finished, pngs, watch)
+}
+
+/// Every level as PNG, by texture and level.
+pub type Pngs = Vec<Vec<Vec<u8>>>;
+
+/// The PNG files that [`glb_of`] puts into the model.
+///
+/// # Errors
+/// `Canceled`; `Internal` where an image breaks its own guarantees.
+pub fn encode(finished: &Finished, watch: &dyn Watch) -> Result<Pngs> {
     watch.stage(Stage::Write);
     watch.step(Some("encode"));
-    let encoded = images::encode_levels(finished, watch);
+    let pngs = images::encode_levels(finished, watch);
     watch.step(None);
+    pngs
+}
+
+/// [`glb`] with levels that are encoded already.
+///
+/// # Errors
+/// As [`glb`].
+pub fn glb_of(asset: &Asset, finished: &Finished, pngs: Pngs, watch: &dyn Watch) -> Result<Glb> {
     let mut draft = Draft::open(&asset.document)?;
     images::embed_files(&mut draft, asset);
     // Ours, not the file's.
     finished.check_coordinates().map_err(|error| Error { code: ErrorCode::Internal, ..error })?;
     let converted = converted_primitives(asset, finished)?;
-    let mut materials = Materials::convert(&mut draft, asset, finished, encoded?)?;
+    let mut materials = Materials::convert(&mut draft, asset, finished, pngs)?;
     let mut vertex_count = 0;
     for (mesh, source) in asset.meshes.iter().enumerate() {
         for (primitive, plain) in source.primitives.iter().enumerate() {

@@ -31,14 +31,16 @@ impl Args for ConversionFlags {
 
 impl FromArgMatches for ConversionFlags {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let refuse = |error: meshcolor::Error| {
+            clap::Error::raw(ErrorKind::InvalidValue, format!("{}\n", error.detail))
+        };
         let mut options = Options::default();
         for spec in OPTIONS {
             if let Some(value) = matches.get_one::<String>(spec.name) {
-                options.set(spec.name, value).map_err(|error| {
-                    clap::Error::raw(ErrorKind::InvalidValue, format!("{}\n", error.detail))
-                })?;
+                options.set(spec.name, value).map_err(refuse)?;
             }
         }
+        options.check().map_err(refuse)?;
         Ok(Self(options))
     }
 
@@ -87,5 +89,6 @@ mod tests {
         let options = read(&["--cut", "3", "--solver=clamp"]).unwrap();
         assert_eq!(options.cut_codes, 3.0);
         assert!(read(&["--cut", "many"]).unwrap_err().to_string().contains("0..=255"));
+        assert!(read(&["--compress", "bc7"]).unwrap_err().to_string().contains("add ktx2"));
     }
 }

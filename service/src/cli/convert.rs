@@ -112,6 +112,7 @@ fn tell(out: &Path, done: &Converted) {
     for warning in &report.warnings {
         eprintln!("  warning: {} ({}, {} of them)", warning.detail, warning.pointer, warning.count);
     }
+    eprint!("{}", super::text::compression(report));
     if let Preview::Failed { reason } = &done.preview {
         eprintln!("  no picture: {reason}");
     }

@@ -40,6 +40,27 @@ pub fn table(path: &str, report: &Report) -> String {
     for channel in &report.channels {
         describe_channel(&mut out, channel);
     }
+    out.push_str(&compression(report));
+    out
+}
+
+/// What blocks do to the levels of each channel; nothing where there are none.
+pub fn compression(report: &Report) -> String {
+    let mut out = String::new();
+    for channel in &report.compression {
+        let name = plain(&format!("{} / {}", channel.material_name, channel.slots.join("+")));
+        let _ = writeln!(out, "  {name} in blocks ({})", unit_name(channel.unit));
+        let heads = ["level", "format", "PSNR, dB", "max", "blocks", "fitted", "mean", "blocks", "fitted"];
+        let _ = writeln!(out, "    {}", heads.map(|head| format!("{head:>8}")).join(" "));
+        for level in &channel.levels {
+            let fitted = level.seams.as_ref().filter(|_| level.is_refitted);
+            let versions = [level.seams_before.as_ref(), level.seams_unfitted.as_ref(), fitted].map(figures);
+            let [max, mean] = [0, 2].map(|k| versions.each_ref().map(|version| version[k].clone()));
+            let first = [level.level.to_string(), plain(&level.format), format!("{:.2}", level.psnr_db)];
+            let cells = first.into_iter().chain(max).chain(mean).map(|cell| format!("{cell:>8}"));
+            let _ = writeln!(out, "    {}", cells.collect::<Vec<_>>().join(" "));
+        }
+    }
     out
 }
 
@@ -133,7 +154,7 @@ fn plain(text: &str) -> String {
 
 #[cfg(test)]
 pub(super) fn sample_report() -> Report {
-    use meshcolor::measure::{CutShare, Growth, SourceLevel};
+    use meshcolor::measure::{CompressedLevel, CompressionReport, CutShare, Growth, SourceLevel};
     let seams = |max| Some(Figures { max, p999: max, mean: max / 2.0, sample_count: 9 });
     Report {
         kind: SubjectKind::Converted,
@@ -168,6 +189,22 @@ pub(super) fn sample_report() -> Report {
         layouts: vec![],
         growth: Growth::default(),
         effects: vec![],
+        compression: vec![CompressionReport {
+            material: 0,
+            material_name: "wood\x1b[31m".into(),
+            slots: vec!["baseColorTexture".into()],
+            unit: Unit::Codes,
+            levels: vec![CompressedLevel {
+                level: 0,
+                format: "bc7".into(),
+                bytes: 2048,
+                psnr_db: 46.5,
+                seams_before: seams(0.5),
+                seams_unfitted: seams(7.75),
+                seams: seams(6.5),
+                is_refitted: true,
+            }],
+        }],
     }
 }
 
@@ -183,5 +220,12 @@ mod tests {
             assert!(!text.replace('\n', "").contains(char::is_control), "{text:?}");
         }
         assert!(table("x", &report).lines().any(|line| line.ends_with("source")));
+        let row = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        let text = compression(&report);
+        assert_eq!(
+            row(text.lines().last().unwrap()),
+            ["0", "bc7", "46.50", "0.500", "7.750", "6.500", "0.250", "3.875", "3.250"]
+        );
+        assert!(!text.replace('\n', "").contains(char::is_control) && table("x", &report).ends_with(&text));
     }
 }

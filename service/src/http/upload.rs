@@ -250,6 +250,7 @@ fn options_of_query(parameters: &mut Parameters) -> Result<JobOptions, Problem> 
     for (name, value) in named {
         options.set(name, value)?;
     }
+    options.conversion.check()?;
     Ok(options)
 }
 

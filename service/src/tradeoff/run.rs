@@ -1,5 +1,7 @@
 //! Runs a plan: one model, one conversion after another, without pictures.
 
+use std::collections::BTreeSet;
+
 use meshcolor::asset::Asset;
 use meshcolor::measure::{Report, Verdict};
 use meshcolor::pipeline::{self, ENGINE_VERSION, OPTIONS, Options};
@@ -42,6 +44,8 @@ pub struct Manner<'a> {
 /// What keeps `standard` from converting, `Canceled`, and errors of our own; a rung that refuses the
 /// asset is a result.
 pub fn run(subject: &Subject<'_>, base: &Options, manner: &Manner<'_>, watch: &JobWatch) -> Result<Tradeoff> {
+    // Only reports are kept.
+    let base = &Options { textures: BTreeSet::new(), compress: BTreeSet::new(), ..base.clone() };
     let plan = Plan::new(base)?;
     let started_at = Timestamp::now();
     watch.enter(TRADEOFF_STAGE);

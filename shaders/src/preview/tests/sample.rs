@@ -215,6 +215,7 @@ fn report() -> Report {
         layouts: vec![],
         growth: Growth::default(),
         effects: vec![],
+        compression: Vec::new(),
     }
 }
 
