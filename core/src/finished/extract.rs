@@ -43,9 +43,9 @@ pub fn extract(asset: &Asset) -> Result<Option<Finished>> {
     let mut known = BTreeMap::new();
     for (mesh, source) in asset.meshes.iter().enumerate() {
         for (primitive, source) in source.primitives.iter().enumerate() {
-            let own = |texture: &&FinishedTexture| Some(texture.material) == source.material;
-            let mut textures_here = textures.iter().filter(own).peekable();
             let Some(material) = source.material.filter(|_| !source.faces.is_empty()) else { continue };
+            let own = |texture: &&FinishedTexture| texture.is_of(material, 0);
+            let mut textures_here = textures.iter().filter(own).peekable();
             if textures_here.peek().is_none() {
                 continue;
             }
@@ -57,6 +57,7 @@ pub fn extract(asset: &Asset) -> Result<Option<Finished>> {
                 mesh,
                 primitive,
                 material,
+                part: 0,
                 coordinates,
                 frames: if has_normal_map { coordinates::frames(&place, &triangles)? } else { Vec::new() },
                 cuts: cuts::of(&place, material, &textures, triangles.len())?,

@@ -21,7 +21,7 @@ pub fn report(
     let sizes: Vec<[u32; 2]> = finished
         .textures
         .iter()
-        .find(|texture| texture.material == surface.material)
+        .find(|texture| texture.is_of(surface.material, 0))
         .map(|texture| texture.levels.iter().map(|image| image.size()).collect())
         .unwrap_or_default();
     let levels = sizes.par_iter().enumerate().map(|(level, &size)| {

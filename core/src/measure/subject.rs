@@ -89,7 +89,8 @@ impl Subject<'_> {
     fn measured(&self) -> Result<Measured> {
         self.finished.check_coordinates()?;
         let textures = &self.finished.textures;
-        let mut materials: Vec<usize> = textures.iter().map(|texture| texture.material).collect();
+        let mut materials: Vec<usize> =
+            textures.iter().flat_map(|texture| texture.materials.clone()).collect();
         materials.sort_unstable();
         materials.dedup();
         let mut channels: Vec<Option<ChannelReport>> = vec![None; textures.len()];
@@ -105,7 +106,7 @@ impl Subject<'_> {
             let counts = self.extras.sample_counts.iter().find(|(of, _)| *of == material);
             let counts = counts.map(|(_, counts)| counts.as_slice());
             layouts.push(layout::report(self.asset, self.finished, &surface, counts));
-            let of_material = || textures.iter().enumerate().filter(|(_, t)| t.material == material);
+            let of_material = || textures.iter().enumerate().filter(move |(_, t)| t.is_of(material, 0));
             let (mut points, mut averages) = (Vec::new(), None);
             if self.has_source {
                 self.watch.step(Some("mip_error"));
@@ -142,7 +143,7 @@ impl Subject<'_> {
             return Err(Error::internal(format!("finished texture {number} has no slot or no level")));
         };
         let slot = if texture.is_normal() { Slot::Normal } else { slot };
-        let converted = Converted { surface, texture, meaning: meaning(self.asset, texture.material, slot) };
+        let converted = Converted { surface, texture, meaning: meaning(self.asset, surface.material, slot) };
         converted.check()?;
         let origin = if self.has_source { Origin::new(self.asset, surface, slot)? } else { None };
         let level_limit = texture.levels.len().max(FOCUS_LEVELS);
@@ -152,7 +153,7 @@ impl Subject<'_> {
             None => None,
         };
         let cut_flags = surface.cut_flags(number);
-        let mut channel = described(self.asset, texture.material, &texture.slots, finest);
+        let mut channel = described(self.asset, surface.material, &texture.slots, finest);
         channel.unit = converted.meaning.unit();
         let seam = source.as_ref().map_or(&[][..], |source| &source.seam);
         channel.cuts = seams::cut_share(surface, seam, &cut_flags);
@@ -280,9 +281,10 @@ pub fn growth(asset: &Asset, finished: &Finished) -> Growth {
     let mut images: Vec<usize> = finished
         .textures
         .iter()
-        .filter_map(|texture| {
-            let material = asset.materials.get(texture.material)?;
-            material.slot(*texture.slots.first()?).map(|texture| texture.image)
+        .flat_map(|texture| {
+            let slot = texture.slots.first().copied();
+            let shown = |&material: &usize| asset.materials.get(material)?.slot(slot?).map(|of| of.image);
+            texture.materials.iter().filter_map(shown).collect::<Vec<_>>()
         })
         .collect();
     images.sort_unstable();

@@ -19,7 +19,8 @@ pub fn assemble(asset: &Asset, materials: &mut [MaterialConversion]) -> Finished
         let first_texture = finished.textures.len();
         for channel in &mut conversion.channels {
             finished.textures.push(FinishedTexture {
-                material: conversion.material,
+                materials: vec![conversion.material],
+                part: 0,
                 slots: channel.slots.clone(),
                 transfer: channel.transfer,
                 levels: std::mem::take(&mut channel.levels),
@@ -28,7 +29,7 @@ pub fn assemble(asset: &Asset, materials: &mut [MaterialConversion]) -> Finished
         }
         finished.primitives.extend(primitives(asset, conversion, first_texture));
     }
-    finished.primitives.sort_by_key(|primitive| (primitive.mesh, primitive.primitive));
+    finished.primitives.sort_by_key(|piece| (piece.mesh, piece.primitive, piece.part));
     finished
 }
 
@@ -87,6 +88,7 @@ fn primitives(
             mesh,
             primitive,
             material: conversion.material,
+            part: 0,
             coordinates: coordinates.clone(),
             triangles: Vec::with_capacity(places.len()),
             frames: Vec::new(),

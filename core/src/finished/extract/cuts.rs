@@ -26,7 +26,7 @@ pub fn of(
         .unwrap_or_default();
     let below = |name: &str| format!("/extensions/{EXTENSION}/cuts/{name}");
     let mut cuts: Vec<PrimitiveCuts> = Vec::new();
-    for (texture, channel) in textures.iter().enumerate().filter(|(_, own)| own.material == material) {
+    for (texture, channel) in textures.iter().enumerate().filter(|(_, own)| own.is_of(material, 0)) {
         let mut shared: Option<Vec<u8>> = None;
         for slot in &channel.slots {
             let bits = match named.get(slot.gltf_name()) {
@@ -46,7 +46,7 @@ pub fn of(
     }
     let converted = |name: &str| {
         textures.iter().any(|texture| {
-            texture.material == material && texture.slots.iter().any(|slot: &Slot| slot.gltf_name() == name)
+            texture.is_of(material, 0) && texture.slots.iter().any(|slot: &Slot| slot.gltf_name() == name)
         })
     };
     match named.keys().find(|name| !converted(name)) {

@@ -33,7 +33,9 @@ pub fn of(asset: &Asset) -> Result<Vec<FinishedTexture>> {
                     let ranges = ranges::of(extension.get("ranges"), &levels, &place)?;
                     check_codes(&levels, &ranges, number)?;
                     let transfer = transfer_of(slot);
-                    all.push(FinishedTexture { material, slots: vec![slot], transfer, levels, ranges });
+                    let slots = vec![slot];
+                    let materials = vec![material];
+                    all.push(FinishedTexture { materials, part: 0, slots, transfer, levels, ranges });
                 }
             }
         }

@@ -10,7 +10,8 @@ use crate::preview::PreviewError;
 /// `Inconsistent`, naming the first element that points past the asset or lacks its images.
 pub fn check(asset: &Asset, finished: &Finished) -> Result<(), PreviewError> {
     for (number, texture) in finished.textures.iter().enumerate() {
-        ensure(texture.material < asset.materials.len(), || format!("material of texture {number}"))?;
+        let is_known = |&material: &usize| material < asset.materials.len();
+        ensure(texture.materials.iter().all(is_known), || format!("material of texture {number}"))?;
         ensure(!texture.levels.is_empty(), || format!("levels of texture {number}"))?;
         for (level, image) in texture.levels.iter().enumerate() {
             ensure(is_whole(image), || format!("level {level} of texture {number}"))?;
