@@ -6,6 +6,7 @@ mod coordinates;
 mod extract;
 #[cfg(test)]
 pub mod hand_made;
+mod sets;
 
 pub use coordinates::{Anchor, BlockClass, BlockTable, Coordinates, LevelMap, TableLevel};
 pub use extract::{BLOCK_ATTRIBUTE, EXTENSION, LOCAL_ATTRIBUTE, OFFSET_ATTRIBUTE, SCALED_ATTRIBUTE, extract};

@@ -91,7 +91,7 @@ pub struct CutShare {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelReport {
     pub level: u32,
-    /// Width and height in texels.
+    /// Width and height in texels; of a material in parts those of the first, see `layouts` for others.
     pub size: [u32; 2],
     /// Over uncut edges (of a plain source: over all seam edges).
     pub seams: Option<Figures>,
@@ -226,11 +226,18 @@ pub struct SolverComponent {
     pub complementarity: f64,
 }
 
-/// One material's layout.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// The layout of one set of textures: a material's, one of its parts', or one that several materials share.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LayoutReport {
+    /// The first of its materials, and its name.
     pub material: usize,
     pub material_name: String,
+    /// All that share it, ascending; absent where it is one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<usize>,
+    /// Which part of each of them; absent for 0.
+    #[serde(default, skip_serializing_if = "is_first")]
+    pub part: usize,
     pub face_count: u64,
     pub quad_count: u64,
     pub merged_pair_count: u64,
@@ -243,6 +250,10 @@ pub struct LayoutReport {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<TableReport>,
     pub levels: Vec<LayoutLevel>,
+}
+
+fn is_first(part: &usize) -> bool {
+    *part == 0
 }
 
 /// How corners name texels.

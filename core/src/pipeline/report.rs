@@ -6,13 +6,14 @@ use crate::error::{Error, Result, Warning};
 use crate::finished::Finished;
 use crate::layout::BlockKind;
 use crate::measure::{
-    self, ChannelReport, Effect, EffectState, Extras, Growth, LayoutReport, Measured, Report, SolverReport,
-    SubjectKind, judge,
+    self, ChannelExtras, ChannelReport, Effect, EffectState, Extras, Growth, LayoutReport, Measured, Report,
+    SampleCounts, SolverReport, SubjectKind, judge,
 };
 use crate::solve::Solver;
 use crate::write;
 
 use super::ENGINE_VERSION;
+use super::channel::FinishedChannel;
 use super::material::MaterialConversion;
 use super::options::Options;
 
@@ -31,12 +32,20 @@ pub fn extras(materials: &[MaterialConversion]) -> Extras {
         let most = levels.map(|level| {
             conversion.channels.iter().map(|channel| channel.sample_counts[level]).max().unwrap_or(0)
         });
-        (conversion.material, most.collect())
+        SampleCounts { material: conversion.material, part: 0, levels: most.collect() }
+    };
+    let channels = |conversion: &MaterialConversion| {
+        let extras = |channel: &FinishedChannel| ChannelExtras {
+            material: conversion.material,
+            slots: channel.slots.clone(),
+            solver: channel.solver.clone(),
+            stored: channel.stored.clone(),
+        };
+        conversion.channels.iter().map(extras).collect::<Vec<_>>()
     };
     Extras {
         sample_counts: materials.iter().map(counts).collect(),
-        solver: materials.iter().flat_map(|m| &m.channels).map(|channel| channel.solver.clone()).collect(),
-        stored: materials.iter().flat_map(|m| &m.channels).map(|channel| channel.stored.clone()).collect(),
+        channels: materials.iter().flat_map(channels).collect(),
         ..Extras::default()
     }
 }
@@ -54,8 +63,11 @@ pub fn of_conversion(
     report.warnings.extend(write::losses(asset, finished));
     report.warnings.extend(report.channels.iter().filter_map(unsolved));
     report.warnings.extend(materials.iter().flat_map(unfitted));
+    let parts = finished.parts();
     for layout in &mut report.layouts {
-        if let Some(conversion) = materials.iter().find(|m| m.material == layout.material) {
+        let parts = parts.get(&layout.material);
+        let is_whole = layout.materials.is_empty() && parts.is_some_and(|parts| parts.len() == 1);
+        if let Some(conversion) = materials.iter().find(|m| is_whole && m.material == layout.material) {
             describe_layout(layout, conversion);
         }
     }

@@ -61,7 +61,7 @@ pub fn glb(asset: &Asset, finished: &Finished, watch: &dyn Watch) -> Result<Glb>
     let mut draft = Draft::open(&asset.document)?;
     images::embed_files(&mut draft, asset);
     // Ours, not the file's.
-    finished.check_coordinates().map_err(|error| Error { code: ErrorCode::Internal, ..error })?;
+    finished.check().map_err(|error| Error { code: ErrorCode::Internal, ..error })?;
     let converted = converted_primitives(asset, finished)?;
     let mut materials = Materials::convert(&mut draft, asset, finished, encoded?)?;
     let mut vertex_count = 0;

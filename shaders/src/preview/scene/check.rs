@@ -27,7 +27,7 @@ pub fn check(asset: &Asset, finished: &Finished) -> Result<(), PreviewError> {
     for (number, primitive) in finished.primitives.iter().enumerate() {
         check_primitive(asset, primitive).map_err(|what| inconsistent(format!("{what} {number}")))?;
     }
-    finished.check_coordinates().map_err(|error| inconsistent(error.to_string()))?;
+    finished.check().map_err(|error| inconsistent(error.to_string()))?;
     Ok(())
 }
 
