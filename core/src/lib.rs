@@ -31,6 +31,7 @@ pub mod mip;
 pub mod layout;
 
 pub mod assign;
+
 pub mod pack;
 
 pub mod solve;

@@ -44,6 +44,7 @@ mod tests {
                 mesh: 0,
                 primitive: 0,
                 material: 0,
+                part: 0,
                 coordinates,
                 triangles: Vec::new(),
                 frames: Vec::new(),

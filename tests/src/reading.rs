@@ -120,9 +120,12 @@ type PositionKey = [u32; 3];
 
 /// Largest jump in codes by level, over all edges that are no cut in this texture.
 pub fn jumps_codes(asset: &Asset, finished: &Finished, texture: usize) -> Vec<f32> {
-    let material = finished.textures[texture].material;
     let mut edges: BTreeMap<(usize, [PositionKey; 2]), Vec<Side<'_>>> = BTreeMap::new();
-    for piece in finished.primitives.iter().filter(|piece| piece.material == material) {
+    for piece in finished
+        .primitives
+        .iter()
+        .filter(|piece| finished.textures[texture].is_of(piece.material, piece.part))
+    {
         for triangle in 0..piece.triangles.len() {
             for k in 0..3 {
                 let mut key = [key(asset, piece, triangle, k), key(asset, piece, triangle, k + 1)];

@@ -29,7 +29,8 @@ fn made_up(asset: &Asset) -> Finished {
             let levels = LEVEL_SIZES.map(|(width, height)| gradient(width, height, slot as u8));
             let transfer = if slot.is_color() { Transfer::Srgb } else { Transfer::Linear };
             finished.textures.push(FinishedTexture {
-                material,
+                materials: vec![material],
+                part: 0,
                 slots: vec![slot],
                 transfer,
                 levels: levels.to_vec(),
@@ -53,7 +54,7 @@ fn piece(
 ) -> Option<FinishedPrimitive> {
     let source = &asset.meshes[mesh].primitives[primitive];
     let material = source.material?;
-    let own = |texture: &FinishedTexture| texture.material == material;
+    let own = |texture: &FinishedTexture| texture.is_of(material, 0);
     let first = textures.iter().position(own).filter(|_| !source.faces.is_empty())?;
     let mut triangles = Vec::new();
     for (number, face) in source.faces.iter().enumerate() {
@@ -72,7 +73,7 @@ fn piece(
     bits[triangles.len() / 2] = 0b011;
     let cuts = vec![PrimitiveCuts { texture: first, bits }];
     let coordinates = Coordinates::Scaled;
-    Some(FinishedPrimitive { mesh, primitive, material, coordinates, triangles, frames, cuts })
+    Some(FinishedPrimitive { mesh, primitive, material, part: 0, coordinates, triangles, frames, cuts })
 }
 
 fn gradient(width: u32, height: u32, shift: u8) -> Image {

@@ -251,7 +251,7 @@ fn stored_normals_decode_to_what_they_were() {
     let case = triangle_and_quad([1, 1], 2);
     let normals = vec![[Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.6, 0.8), Vec3::Z]; 2];
     for scale in [1.0, 0.5, 2.0] {
-        let frames: NormalFrames = choose_frames(&case.canvas, &normals, &[None], scale);
+        let frames: NormalFrames = choose_frames(&case.canvas, &normals, &vec![None; case.canvas.faces.len()], scale);
         let wanted = Vec3::new(0.3, -0.2, 0.9).normalize();
         let (s, t) = (0.25, 0.5);
         let stored = Vec3::splat(0.5) + frames.to_stored(&case.canvas, 0, s, t) * wanted;
@@ -288,7 +288,7 @@ fn a_flat_color_stays_flat_at_any_distance() {
 fn normals_in_a_range_are_changed_by_its_rounding_alone() {
     let case = triangle_and_quad([0, 2], 3);
     let across = vec![[Vec3::X; 4]; 2];
-    let frames = choose_frames(&case.canvas, &across, &[None], 1.0);
+    let frames = choose_frames(&case.canvas, &across, &vec![None; case.canvas.faces.len()], 1.0);
     let lean =
         |k: usize| Vec3::new(1.0, 0.02 * (k % 5) as f32, -0.03 * (k % 3) as f32).normalize().extend(1.0);
     let codec = Codec { transfer: Transfer::Linear, components: 3, bits: 8 };
@@ -311,7 +311,7 @@ fn lines_of_normals_are_stored_as_single_ones() {
     let lean = |x: f32, y: f32| Vec3::new(x, y, 1.0).normalize();
     let normals = vec![[lean(0.1, 0.0), lean(0.9, -0.4), lean(0.0, 0.7), lean(-0.6, -0.6)]; 2];
     for scale in [1.0, 0.5, -2.0] {
-        let frames = choose_frames(&case.canvas, &normals, &[None], scale);
+        let frames = choose_frames(&case.canvas, &normals, &vec![None; case.canvas.faces.len()], scale);
         for (face, at, step) in [
             (0, [0.0, 0.25], [0.125, 0.0]),
             (0, [1.0, 0.0], [-0.125, 0.125]),

@@ -34,18 +34,23 @@ impl Finished {
     /// that are not those of the textures, a class that is not there, a number of 2^24 or more, a local coordinate
     /// outside of its block, a block outside of its level.
     pub fn check_coordinates(&self) -> Result<()> {
-        let mut known: BTreeMap<usize, &Coordinates> = BTreeMap::new();
+        let mut known: BTreeMap<(usize, usize), &Coordinates> = BTreeMap::new();
         for piece in &self.primitives {
             let at = |broken: Broken| {
                 let Broken { below, rule } = broken;
                 Error::invalid(rule)
                     .at(format!("/meshes/{}/primitives/{}{below}", piece.mesh, piece.primitive))
             };
-            if !is_same(known.entry(piece.material).or_insert(&piece.coordinates), &piece.coordinates) {
-                let rule = "all primitives of one material have to have the same coordinates".to_owned();
+            if !is_same(
+                known.entry((piece.material, piece.part)).or_insert(&piece.coordinates),
+                &piece.coordinates,
+            ) {
+                let rule =
+                    "all primitives of one material and part have to have the same coordinates".to_owned();
                 return Err(at(Broken { below: table_place(), rule }));
             }
-            let Some(texture) = self.textures.iter().find(|texture| texture.material == piece.material)
+            let Some(texture) =
+                self.textures.iter().find(|texture| texture.is_of(piece.material, piece.part))
             else {
                 continue;
             };

@@ -4,6 +4,7 @@
 
 mod coordinates;
 mod cuts;
+mod parts;
 mod ranges;
 mod table;
 mod textures;
@@ -12,6 +13,8 @@ use std::collections::BTreeMap;
 
 use crate::asset::{Asset, Slot};
 use crate::error::{Error, Result};
+
+use parts::PartOf;
 
 use super::{Coordinates, Finished, FinishedPrimitive, FinishedTexture, Frame};
 
@@ -26,16 +29,18 @@ pub const SCALED_ATTRIBUTE: &str = "_MCT_SCALED";
 /// Vertex attribute with `u_δ`.
 pub const OFFSET_ATTRIBUTE: &str = "_MCT_OFFSET";
 
-/// The conversion that a file holds, or `None` where it holds none. Cuts that are all zero, and
+/// The conversion that a file holds, or `None` where it holds none. glTF materials that are parts of one have its
+/// number, and primitives are the file's. Cuts that are all zero, and
 /// primitives without faces, are not in the file and so not in the answer.
 ///
 /// # Errors
 /// `InvalidModel` with the place and the rule where the file contradicts itself: levels that are no
-/// images, sizes that differ among one material's textures, ranges that do not fit their images, attributes that
+/// images, sizes that differ among the textures of one material's part, materials that cannot be parts of one, ranges that do not fit their images, attributes that
 /// are missing or of another type, an offset or block that varies over a triangle, what
-/// [`Finished::check_coordinates`] refuses, cuts that are not one byte for each triangle.
+/// [`Finished::check`] refuses, cuts that are not one byte for each triangle.
 pub fn extract(asset: &Asset) -> Result<Option<Finished>> {
-    let textures = textures::of(asset)?;
+    let places = parts::of(asset)?;
+    let textures = textures::of(asset, &places)?;
     if textures.is_empty() {
         return Ok(None);
     }
@@ -43,39 +48,42 @@ pub fn extract(asset: &Asset) -> Result<Option<Finished>> {
     let mut known = BTreeMap::new();
     for (mesh, source) in asset.meshes.iter().enumerate() {
         for (primitive, source) in source.primitives.iter().enumerate() {
-            let own = |texture: &&FinishedTexture| Some(texture.material) == source.material;
+            let part_of = source.material.filter(|_| !source.faces.is_empty());
+            let Some(&part_of) = part_of.and_then(|number| places.get(number)) else { continue };
+            let PartOf { material, part } = part_of;
+            let own = |texture: &&FinishedTexture| texture.is_of(material, part);
             let mut textures_here = textures.iter().filter(own).peekable();
-            let Some(material) = source.material.filter(|_| !source.faces.is_empty()) else { continue };
             if textures_here.peek().is_none() {
                 continue;
             }
             let has_normal_map = textures_here.any(|texture| texture.slots.contains(&Slot::Normal));
             let place = Place { asset, mesh, primitive };
             let (coordinates, triangles) = coordinates::of(&place)?;
-            let coordinates = shared(&mut known, material, coordinates);
+            let coordinates = shared(&mut known, part_of, coordinates);
             primitives.push(FinishedPrimitive {
                 mesh,
                 primitive,
                 material,
+                part,
                 coordinates,
                 frames: if has_normal_map { coordinates::frames(&place, &triangles)? } else { Vec::new() },
-                cuts: cuts::of(&place, material, &textures, triangles.len())?,
+                cuts: cuts::of(&place, part_of, &textures, triangles.len())?,
                 triangles,
             });
         }
     }
     let finished = Finished { textures, primitives };
-    finished.check_coordinates()?;
+    finished.check()?;
     Ok(Some(finished))
 }
 
-/// The material's table, held once where its primitives have the same.
+/// The table of a material's part, held once where its primitives have the same.
 fn shared(
-    known: &mut BTreeMap<usize, Coordinates>,
-    material: usize,
+    known: &mut BTreeMap<PartOf, Coordinates>,
+    part_of: PartOf,
     coordinates: Coordinates,
 ) -> Coordinates {
-    let first = known.entry(material).or_insert_with(|| coordinates.clone());
+    let first = known.entry(part_of).or_insert_with(|| coordinates.clone());
     if *first == coordinates { first.clone() } else { coordinates }
 }
 

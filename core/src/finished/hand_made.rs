@@ -114,7 +114,8 @@ pub fn sheet() -> (Asset, Finished) {
     material.slots[Slot::Occlusion as usize] =
         Some(TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() });
     let texture = FinishedTexture {
-        material: 0,
+        materials: vec![0],
+        part: 0,
         slots: vec![Slot::Occlusion],
         transfer: Transfer::Linear,
         levels: (0..LEVEL_COUNT).map(level_image).collect(),
@@ -124,6 +125,7 @@ pub fn sheet() -> (Asset, Finished) {
         mesh: 0,
         primitive: 0,
         material: 0,
+        part: 0,
         coordinates: Coordinates::Indexed(Arc::new(table())),
         triangles,
         frames: Vec::new(),

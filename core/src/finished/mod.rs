@@ -6,6 +6,7 @@ mod coordinates;
 mod extract;
 #[cfg(test)]
 pub mod hand_made;
+mod sets;
 
 pub use coordinates::{Anchor, BlockClass, BlockTable, Coordinates, LevelMap, TableLevel};
 pub use extract::{BLOCK_ATTRIBUTE, EXTENSION, LOCAL_ATTRIBUTE, OFFSET_ATTRIBUTE, SCALED_ATTRIBUTE, extract};
@@ -23,19 +24,23 @@ pub use crate::math::frame::Frame;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finished {
     pub textures: Vec<FinishedTexture>,
-    /// In order of mesh, then primitive; primitives of unconverted materials are left out.
+    /// In order of mesh, primitive and part; primitives of unconverted materials are left out.
     pub primitives: Vec<FinishedPrimitive>,
 }
 
-/// One channel of one material at every level.
+/// One channel at every level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinishedTexture {
-    /// Index into `Asset::materials`.
-    pub material: usize,
+    /// The materials that show it, as indices into `Asset::materials`: ascending, at least one. Several where
+    /// materials share their textures.
+    pub materials: Vec<usize>,
+    /// Which of their parts: faces of one material may stand in several sets of textures, each with sizes of its own.
+    /// 0 where there is one.
+    pub part: usize,
     /// The glTF slots that read this channel (several where the source's slots share one image).
     pub slots: Vec<Slot>,
     pub transfer: Transfer,
-    /// Level 0 first. All textures of one material have the same sizes, level by level.
+    /// Level 0 first. All textures of one material and part have the same sizes, level by level.
     pub levels: Vec<Image>,
     /// Levels that hold other values than codes of [0, 1]: images of 16 bits, never level 0.
     pub ranges: BTreeMap<usize, LevelRange>,
@@ -46,14 +51,22 @@ impl FinishedTexture {
     pub fn is_normal(&self) -> bool {
         self.slots.contains(&Slot::Normal)
     }
+
+    /// Whether faces of a material that stand in one of its parts show this texture.
+    pub fn is_of(&self, material: usize, part: usize) -> bool {
+        self.part == part && self.materials.contains(&material)
+    }
 }
 
-/// The drawn triangles of one primitive. A quad is the two triangles of its fan, in a row.
+/// The drawn triangles of one primitive that stand in one part of its material, in the asset's order. A quad is the
+/// two triangles of its fan, in a row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinishedPrimitive {
     pub mesh: usize,
     pub primitive: usize,
     pub material: usize,
+    /// The part of the material whose textures these triangles read.
+    pub part: usize,
     /// How `triangles` name texels.
     pub coordinates: Coordinates,
     pub triangles: Vec<FinishedTriangle>,

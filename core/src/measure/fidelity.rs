@@ -33,14 +33,14 @@ const CHUNK: usize = 4096;
 /// The share of the errors that lie at or under the percentile.
 const P99: (u64, u64) = (99, 100);
 
-/// Compares at `points`; `None` where there are none.
+/// Compares at `points`; `None` where there are none. The yardstick has `texel_count` texels.
 pub fn fidelity(
     origin: &Origin<'_>,
     converted: &Converted<'_>,
     points: &[SurfacePoint],
-    extent: Extent,
+    (extent, texel_count): (Extent, usize),
 ) -> Option<Fidelity> {
-    let finest = converted.texture.levels.first()?;
+    let finest = converted.textures.first()?.levels.first()?;
     if points.is_empty() {
         return None;
     }
@@ -50,8 +50,8 @@ pub fn fidelity(
         origin,
         converted,
         source: origin.texels(origin.image),
-        level: converted.texels(0),
-        yardstick: Yardstick::new(origin, area_texels, finest.texel_count(), bits),
+        levels: (0..converted.surface.parts.len()).map(|part| converted.texels(part, 0)).collect(),
+        yardstick: Yardstick::new(origin, area_texels, texel_count, bits),
     };
     let chunks: Vec<[Errors; 2]> = points.par_chunks(CHUNK).map(|points| comparison.errors(points)).collect();
     let [mut ours, mut yardstick] = <[Errors; 2]>::default();
@@ -75,7 +75,8 @@ struct Comparison<'a> {
     origin: &'a Origin<'a>,
     converted: &'a Converted<'a>,
     source: Texels<'a>,
-    level: Texels<'a>,
+    /// Level 0 by part of the surface.
+    levels: Vec<Texels<'a>>,
     yardstick: Yardstick<'a>,
 }
 
@@ -89,7 +90,7 @@ impl Comparison<'_> {
             let part = &self.converted.surface.parts[number];
             let place = self.origin.place(number, part.triangles[triangle], point.at, size_texels);
             let wanted = self.source.bilinear(place);
-            let ours = self.level.bilinear(part.place_at(triangle, point.at, 0));
+            let ours = self.levels[number].bilinear(part.place_at(triangle, point.at, 0));
             let resampled = self.yardstick.bilinear(place);
             match self.origin.meaning {
                 Meaning::Normal { scale } => {

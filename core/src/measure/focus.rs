@@ -3,6 +3,7 @@
 
 use glam::Vec3;
 
+use super::edges::EdgePair;
 use super::origin::SourceSeams;
 use super::report::Unit;
 use super::surface::Surface;
@@ -62,12 +63,13 @@ impl Candidate {
     }
 }
 
-/// The best edge of one channel: among those that agree at level 0 and that `cut_flags` does not name.
+/// The best edge of one channel: among those that agree at level 0 and that `cut_flags` does not name. `texture` is the
+/// one that a part of the surface reads.
 pub fn candidate(
     surface: &Surface<'_>,
     seams: &SourceSeams,
     cut_flags: &[bool],
-    texture: usize,
+    texture: &impl Fn(usize) -> usize,
     (unit, is_base_color): (Unit, bool),
 ) -> Option<Candidate> {
     if unit != Unit::Codes || seams.levels.is_empty() {
@@ -84,7 +86,7 @@ pub fn candidate(
         let jumps = std::array::from_fn(|level| seams.levels[level.min(last)].survey.edge_means[at as usize]);
         let jump_codes = jumps[LEVELS].iter().sum::<f32>() / LEVELS.count() as f32;
         let found = Candidate {
-            focus: place(surface, seams.seam[at as usize], texture, jumps),
+            focus: place(surface, pair, texture(pair.a.part as usize), jumps),
             is_base_color,
             is_long: pair.length >= SHORTEST_SHARE * diagonals[pair.a.part as usize],
             jump_codes,
@@ -105,8 +107,7 @@ fn mesh_diagonal(surface: &Surface<'_>, mesh: usize) -> f32 {
     (high - low).length()
 }
 
-fn place(surface: &Surface<'_>, pair: u32, texture: usize, source_jumps_codes: [f32; 8]) -> Focus {
-    let pair = &surface.pairs[pair as usize];
+fn place(surface: &Surface<'_>, pair: &EdgePair, texture: usize, source_jumps_codes: [f32; 8]) -> Focus {
     let part = surface.part(&pair.a);
     let corners = part.corners(pair.a.triangle as usize);
     let ends = pair.a.ends().map(|k| corners[k]);

@@ -69,7 +69,8 @@ pub fn finished_by_triangle(slot: Slot, value: impl Fn(usize, Vec3) -> [u8; 3]) 
     let transfer = if slot.is_color() { Transfer::Srgb } else { Transfer::Linear };
     Finished {
         textures: vec![FinishedTexture {
-            material: 0,
+            materials: vec![0],
+            part: 0,
             slots: vec![slot],
             transfer,
             levels,
@@ -79,6 +80,7 @@ pub fn finished_by_triangle(slot: Slot, value: impl Fn(usize, Vec3) -> [u8; 3]) 
             mesh: 0,
             primitive: 0,
             material: 0,
+            part: 0,
             coordinates: Coordinates::Scaled,
             triangles,
             frames: Vec::new(),

@@ -86,9 +86,12 @@ pub fn interpolated(frames: &[Frame; 3], at: Vec3) -> Frame {
     }
 }
 
-/// One side of an edge: where its points stand in an image, `(from + (to - from) t) · scale + shift`.
+/// One side of an edge: the image that it reads, and where its points stand there, `(from + (to - from) t) · scale +
+/// shift`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Track {
+    /// Which of [`Judge::images`].
+    pub image: usize,
     pub from: Vec2,
     pub to: Vec2,
     pub scale: Vec2,
@@ -131,11 +134,12 @@ fn middle_of([x, y]: [i32; 2]) -> Vec2 {
     Vec2::new(x as f32, y as f32) + 0.5
 }
 
-/// One level image of a channel.
+/// One level of a channel.
 pub struct Judge<'a> {
-    pub texels: Texels<'a>,
+    /// The level's image of each part of the material.
+    pub images: Vec<Texels<'a>>,
     pub meaning: Meaning,
-    /// How many components the image stores.
+    /// How many components the images store.
     pub components: u8,
 }
 
@@ -149,7 +153,8 @@ impl Judge<'_> {
         let kinds = [(Weights::Exact, true), (Weights::EightBits, has_coarse)];
         if let (Some(cell_a), Some(cell_b)) = (a.cell(), b.cell()) {
             // Weights of 8 bits reach no further than the cell's border: the same four texels.
-            let (corners_a, corners_b) = (self.texels.corners(cell_a), self.texels.corners(cell_b));
+            let (corners_a, corners_b) =
+                (self.images[a.image].corners(cell_a), self.images[b.image].corners(cell_b));
             let (first_a, first_b) = (middle_of(cell_a), middle_of(cell_b));
             return kinds.map(|(weights, is_wanted)| {
                 let at = |t: f32| {
@@ -196,14 +201,15 @@ impl Judge<'_> {
     /// The filtered values at the samples of one side; the texels of a cell are decoded once.
     fn along(&self, track: &Track, weights: Weights) -> [Vec4; SAMPLES] {
         let mut values = [Vec4::ZERO; SAMPLES];
+        let texels = &self.images[track.image];
         let (mut known, part) = cell_of(weights.place(track.at(0.0)));
-        let mut corners = self.texels.corners(known);
+        let mut corners = texels.corners(known);
         values[0] = mixed(&corners, part);
         for (sample, value) in values.iter_mut().enumerate().skip(1) {
             let (cell, part) = cell_of(weights.place(track.at(figures::position(sample))));
             if cell != known {
                 known = cell;
-                corners = self.texels.corners(cell);
+                corners = texels.corners(cell);
             }
             *value = mixed(&corners, part);
         }
@@ -217,7 +223,11 @@ impl Judge<'_> {
             (Some((from_a, step_a, count_a)), Some((from_b, step_b, count_b))) => {
                 a.frames == b.frames
                     && count_a == count_b
-                    && self.texels.equal_runs((from_a, step_a), (from_b, step_b), count_a)
+                    && self.images[a.image].equal_runs(
+                        &self.images[b.image],
+                        [(from_a, step_a), (from_b, step_b)],
+                        count_a,
+                    )
             }
             _ => false,
         }
@@ -272,8 +282,9 @@ mod tests {
             let codes = (0..16u8).map(|i| 10 * (i % 4) + if i < 4 { 0 } else { step }).collect();
             let image = Image { width: 4, height: 4, components: 1, pixels: Pixels::U8(codes) };
             let texels = Texels::new(&image, Transfer::Linear, CLAMPED);
-            let judge = Judge { texels, meaning: Meaning::Data, components: 1 };
-            let track = |from, to| Track { from, to, scale: Vec2::ONE, shift: Vec2::ZERO, frames: None };
+            let judge = Judge { images: vec![texels], meaning: Meaning::Data, components: 1 };
+            let track =
+                |from, to| Track { image: 0, from, to, scale: Vec2::ONE, shift: Vec2::ZERO, frames: None };
             // Both stay in one cell, and the second ends on texel centers.
             let a = track(Vec2::new(1.5, 0.7), Vec2::new(2.5, 0.9));
             let b = track(Vec2::new(1.5, 1.5), Vec2::new(2.5, 1.5));

@@ -1,73 +1,146 @@
 //! Figures of a layout, from finished coordinates alone: which texels any triangle's filtering can reach,
 //! and how many faces stand in blocks of what size.
 
+use std::collections::BTreeSet;
+
 use glam::{DVec2, Vec2};
 use rayon::prelude::*;
 
 use super::edges::{EdgePair, Side};
 use super::report::{CoordinatesKind, LayoutLevel, LayoutReport, TableReport};
-use super::surface::Surface;
+use super::subject::SampleCounts;
+use super::surface::{Part, Surface};
 use crate::asset::Asset;
-use crate::finished::{Finished, FinishedTriangle};
+use crate::error::Result;
+use crate::finished::{Finished, FinishedPrimitive, FinishedTriangle};
+use crate::math::partition::Partition;
 
-/// The layout of one material. `sample_counts` are the distinct mesh color samples of each level, where
-/// the caller knows them.
-pub fn report(
+/// The faces of one part of a material, before its texels are counted.
+pub struct Tally {
+    part: usize,
+    report: LayoutReport,
+}
+
+/// One for each part of the surface's material that has faces, ascending.
+///
+/// # Errors
+/// `InvalidModel` where the drawn triangles are not those of the asset's faces.
+pub fn tallies(surface: &Surface<'_>) -> Result<Vec<Tally>> {
+    let numbers: BTreeSet<usize> = surface.parts.iter().map(Part::part).collect();
+    numbers.into_iter().map(|part| Ok(Tally { part, report: faces(surface, part)? })).collect()
+}
+
+/// The layouts, one for each set of textures, in order of the first material and its part.
+pub fn reports(
     asset: &Asset,
     finished: &Finished,
-    surface: &Surface<'_>,
-    sample_counts: Option<&[u64]>,
-) -> LayoutReport {
-    let sizes: Vec<[u32; 2]> = finished
-        .textures
-        .iter()
-        .find(|texture| texture.material == surface.material)
-        .map(|texture| texture.levels.iter().map(|image| image.size()).collect())
+    tallies: Vec<Tally>,
+    counts: &[SampleCounts],
+) -> Vec<LayoutReport> {
+    // Textures that faces of one part of a material read have coordinates in common: they are one set.
+    let mut sets = Partition::new(finished.textures.len());
+    let textures = |tally: &Tally| {
+        finished.textures_of(tally.report.material, tally.part).map(|(number, _)| number as u32)
+    };
+    for tally in &tallies {
+        let mut own = textures(tally);
+        if let Some(first) = own.next() {
+            own.for_each(|other| sets.join(first, other));
+        }
+    }
+    let mut groups: Vec<(u32, Vec<Tally>)> = Vec::new();
+    for tally in tallies {
+        let Some(set) = textures(&tally).next().map(|first| sets.root(first)) else { continue };
+        match groups.iter_mut().find(|(known, _)| *known == set) {
+            Some((_, group)) => group.push(tally),
+            None => groups.push((set, vec![tally])),
+        }
+    }
+    groups.into_iter().map(|(_, group)| report(asset, finished, group, counts)).collect()
+}
+
+/// The layout of the texture set that some parts of materials share.
+fn report(asset: &Asset, finished: &Finished, group: Vec<Tally>, counts: &[SampleCounts]) -> LayoutReport {
+    let places: Vec<(usize, usize)> = group.iter().map(|tally| (tally.report.material, tally.part)).collect();
+    let texture = places.first().and_then(|&(material, part)| finished.textures_of(material, part).next());
+    let sizes: Vec<[u32; 2]> = texture
+        .map(|(_, texture)| texture.levels.iter().map(|image| image.size()).collect())
         .unwrap_or_default();
+    let in_set = |piece: &&FinishedPrimitive| places.contains(&(piece.material, piece.part));
+    let pieces: Vec<&FinishedPrimitive> = finished.primitives.iter().filter(in_set).collect();
+    let distinct = |level: usize| -> Option<u64> {
+        let own = |&(material, part): &(usize, usize)| {
+            let counts = counts.iter().find(|counts| (counts.material, counts.part) == (material, part))?;
+            counts.levels.get(level).copied()
+        };
+        places.iter().map(own).sum()
+    };
     let levels = sizes.par_iter().enumerate().map(|(level, &size)| {
         let allocated_texels = u64::from(size[0]) * u64::from(size[1]);
-        let used = used_texels(surface, level, size);
-        let distinct = sample_counts.and_then(|counts| counts.get(level));
+        let used = used_texels(&pieces, level, size);
         LayoutLevel {
             level: level as u32,
             size,
             allocated_texels,
             waste: 1.0 - used as f64 / allocated_texels.max(1) as f64,
-            efficiency: distinct.map(|&count| count as f64 / allocated_texels.max(1) as f64),
+            efficiency: distinct(level).map(|count| count as f64 / allocated_texels.max(1) as f64),
         }
     });
-    let mut report = blocks(surface);
-    report.material_name = asset.materials.get(surface.material).map(|m| m.name.clone()).unwrap_or_default();
-    report.levels = levels.collect();
+    let levels = levels.collect();
+    let mut tallies = group.into_iter().map(|tally| tally.report);
+    let mut report = tallies.next().unwrap_or_default();
+    tallies.for_each(|other| report.join(&other));
+    report.material_name = asset.materials.get(report.material).map(|m| m.name.clone()).unwrap_or_default();
+    report.levels = levels;
     report
+}
+
+impl LayoutReport {
+    /// Takes in the faces of another material of the same set.
+    fn join(&mut self, other: &Self) {
+        if self.materials.is_empty() {
+            self.materials.push(self.material);
+        }
+        self.materials.push(other.material);
+        self.face_count += other.face_count;
+        self.quad_count += other.quad_count;
+        self.merged_pair_count += other.merged_pair_count;
+        self.lone_triangle_count += other.lone_triangle_count;
+        self.exponents.resize(self.exponents.len().max(other.exponents.len()), 0);
+        self.exponents.iter_mut().zip(&other.exponents).for_each(|(own, other)| *own += other);
+    }
 }
 
 /// Faces and their blocks. Two triangles on both sides of a diagonal whose texels both read are the halves of a
 /// quad face, or a merged pair. (Faces beside each other in a larger block share a straight edge.)
-fn blocks(surface: &Surface<'_>) -> LayoutReport {
-    let joined = surface.pairs.iter().filter(|pair| is_joined(surface, pair)).count() as u64;
-    let faces = || surface.parts.iter().flat_map(|part| &part.geometry.faces);
-    let quad_count = faces().filter(|face| face.count == 4).count() as u64;
-    let face_count = faces().count() as u64;
-    let triangle_count = surface.triangle_count() as u64;
+fn faces(surface: &Surface<'_>, part: usize) -> Result<LayoutReport> {
+    let is_here = |side: &Side| surface.part(side).part() == part;
+    let here = |pair: &&EdgePair| is_here(&pair.a) && is_here(&pair.b);
+    let joined = surface.pairs.iter().filter(here).filter(|pair| is_joined(surface, pair)).count() as u64;
+    let (mut face_count, mut quad_count, mut triangle_count) = (0, 0, 0);
     let mut exponents = Vec::new();
-    for part in &surface.parts {
-        let exponent = |triangle| part.coordinates.exponent(triangle);
-        let mut triangles = part.placed.iter();
-        for face in &part.geometry.faces {
-            let drawn = face.triangles().len();
-            let exponent = triangles.by_ref().take(drawn).map(exponent).max().unwrap_or(0);
+    let pieces = || surface.parts.iter().filter(|piece| piece.part() == part);
+    for piece in pieces() {
+        triangle_count += piece.triangles.len() as u64;
+        let drawn: Vec<(u32, usize)> = (piece.faces()?.into_iter())
+            .zip(piece.placed)
+            .map(|(face, triangle)| (face, piece.coordinates.exponent(triangle)))
+            .collect();
+        for of_face in drawn.chunk_by(|a, b| a.0 == b.0) {
+            face_count += 1;
+            quad_count += u64::from(piece.geometry.faces[of_face[0].0 as usize].count == 4);
+            let exponent = of_face.iter().map(|(_, exponent)| *exponent).max().unwrap_or(0);
             if exponents.len() <= exponent {
                 exponents.resize(exponent + 1, 0);
             }
             exponents[exponent] += 1;
         }
     }
-    // The same in all parts.
-    let table = surface.parts.first().and_then(|part| part.coordinates.table());
-    LayoutReport {
+    // The same in all pieces.
+    let table = pieces().next().and_then(|piece| piece.coordinates.table());
+    Ok(LayoutReport {
         material: surface.material,
-        material_name: String::new(),
+        part,
         face_count,
         quad_count,
         merged_pair_count: joined.saturating_sub(quad_count),
@@ -78,8 +151,8 @@ fn blocks(surface: &Surface<'_>) -> LayoutReport {
             class_count: table.classes.len() as u64,
             byte_count: table.byte_count() as u64,
         }),
-        levels: Vec::new(),
-    }
+        ..LayoutReport::default()
+    })
 }
 
 fn placed<'a>(surface: &Surface<'a>, side: &Side) -> &'a FinishedTriangle {
@@ -100,11 +173,11 @@ fn is_joined(surface: &Surface<'_>, pair: &EdgePair) -> bool {
 }
 
 /// Texels that bilinear filtering at some point of some triangle gives a weight.
-fn used_texels(surface: &Surface<'_>, level: usize, size: [u32; 2]) -> u64 {
+fn used_texels(pieces: &[&FinishedPrimitive], level: usize, size: [u32; 2]) -> u64 {
     let mut mask = Mask::new(size);
-    for part in &surface.parts {
-        for triangle in part.placed {
-            mask.mark(std::array::from_fn(|corner| part.coordinates.place(triangle, corner, level)));
+    for piece in pieces {
+        for triangle in 0..piece.triangles.len() {
+            mask.mark(std::array::from_fn(|corner| piece.place(triangle, corner, level)));
         }
     }
     mask.count()

@@ -75,7 +75,7 @@ impl Averages {
             components,
             source,
         };
-        let level_count = converted.texture.levels.len().saturating_sub(1);
+        let level_count = converted.level_count().saturating_sub(1);
         let chunks: Vec<Vec<Errors>> = self
             .probes
             .par_chunks(CHUNK)
@@ -138,7 +138,10 @@ impl Comparison<'_> {
     fn compared(&self, point: &SurfacePoint, halves: &[Sums; 2], level: usize) -> Option<Compared> {
         let part = &self.converted.surface.parts[point.part as usize];
         let triangle = point.triangle as usize;
-        let shown = self.converted.texels(level).bilinear(part.place_at(triangle, point.at, level));
+        let shown = self
+            .converted
+            .texels(point.part as usize, level)
+            .bilinear(part.place_at(triangle, point.at, level));
         let whole = halves[0] + halves[1];
         let mut components = [None; 4];
         if let Meaning::Normal { scale } = self.source.origin.meaning {

@@ -24,6 +24,7 @@ mod origin;
 mod points;
 pub mod report;
 mod seams;
+mod sets;
 mod subject;
 mod surface;
 mod texels;
@@ -32,6 +33,6 @@ mod yardstick;
 
 pub use focus::Focus;
 pub use report::*;
-pub use subject::{Extras, Measured, converted, converted_file, growth, source};
+pub use subject::{ChannelExtras, Extras, Measured, SampleCounts, converted, converted_file, growth, source};
 pub use verdict::{Judgement, judge};
 pub use yardstick::Extent;

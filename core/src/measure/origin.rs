@@ -13,7 +13,7 @@ use super::report::{SourceLevel, Unit};
 use super::surface::{Part, Surface};
 use super::texels::Texels;
 use crate::asset::{AlphaMode, Asset, Material, Slot, TextureRef};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::finished::Frame;
 use crate::image::Image;
 use crate::source::tangents;
@@ -108,7 +108,14 @@ impl<'a> Origin<'a> {
         let triangle = side.triangle as usize;
         let uvs = self.corner_uvs(side.part as usize, surface.part(side).triangles[triangle]);
         let frames = self.corner_frames(side.part as usize, triangle).map(|frames| ends.map(|k| frames[k]));
-        Track { from: uvs[ends[0]], to: uvs[ends[1]], scale: size_texels, shift: Vec2::ZERO, frames }
+        Track {
+            image: 0,
+            from: uvs[ends[0]],
+            to: uvs[ends[1]],
+            scale: size_texels,
+            shift: Vec2::ZERO,
+            frames,
+        }
     }
 }
 
@@ -119,24 +126,17 @@ fn part_uvs(part: &Part<'_>, texture: &TextureRef) -> Vec<Vec2> {
     }
 }
 
-/// The source's frames by drawn triangle. The triangles stand in the order of the faces that they are
-/// cut from, and each corner is found among its face's.
+/// The source's frames by drawn triangle; each corner is found among its face's.
 fn part_frames(part: &Part<'_>, texture: &TextureRef) -> Result<Vec<[Frame; 3]>> {
     let of_faces = tangents::frames(part.geometry, texture.texcoord, texture.transform);
-    let faces = part.geometry.faces.iter().zip(&of_faces);
-    let mut drawn = faces.flat_map(|(face, frames)| face.triangles().iter().map(move |_| (face, frames)));
-    let mismatch = || Error::internal("the drawn triangles are not those of the asset's faces");
-    let mut by_triangle = Vec::with_capacity(part.triangles.len());
-    for triangle in &part.triangles {
-        let (face, frames) = drawn.next().ok_or_else(mismatch)?;
-        let mut corners = [frames[0]; 3];
-        for (corner, vertex) in corners.iter_mut().zip(triangle) {
-            let k = face.corners().iter().position(|other| other == vertex).ok_or_else(mismatch)?;
-            *corner = frames[k];
-        }
-        by_triangle.push(corners);
-    }
-    Ok(by_triangle)
+    let corner_frames = |(triangle, face): (&[u32; 3], u32)| {
+        let (face, frames) = (&part.geometry.faces[face as usize], &of_faces[face as usize]);
+        triangle.map(|vertex| {
+            let own = face.corners().iter().position(|&other| other == vertex);
+            frames[own.unwrap_or(0)]
+        })
+    };
+    Ok(part.triangles.iter().zip(part.faces()?).map(corner_frames).collect())
 }
 
 /// How the source's seams look at each level of its mip chain.
@@ -172,11 +172,11 @@ impl SourceSeams {
         while levels.len() < level_limit {
             watch::check(watch)?;
             let judge = Judge {
-                texels: origin.texels(&image),
+                images: vec![origin.texels(&image)],
                 meaning: origin.meaning,
                 components: origin.components,
             };
-            let size_texels = judge.texels.size_texels();
+            let size_texels = origin.texels(&image).size_texels();
             let survey = survey(&surface.pairs, &seam, |pair| {
                 let a = origin.track(surface, &pair.a, pair.a.ends(), size_texels);
                 let b = origin.track(surface, &pair.b, pair.ends_of_b(), size_texels);

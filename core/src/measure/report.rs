@@ -94,7 +94,7 @@ pub struct CutShare {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelReport {
     pub level: u32,
-    /// Width and height in texels.
+    /// Width and height in texels; of a material in parts those of the first, see `layouts` for others.
     pub size: [u32; 2],
     /// Over uncut edges (of a plain source: over all seam edges).
     pub seams: Option<Figures>,
@@ -261,11 +261,18 @@ pub struct CompressedLevel {
     pub is_refitted: bool,
 }
 
-/// One material's layout.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// The layout of one set of textures: a material's, one of its parts', or one that several materials share.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LayoutReport {
+    /// The first of its materials, and its name.
     pub material: usize,
     pub material_name: String,
+    /// All that share it, ascending; absent where it is one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<usize>,
+    /// Which part of each of them; absent for 0.
+    #[serde(default, skip_serializing_if = "is_first")]
+    pub part: usize,
     pub face_count: u64,
     pub quad_count: u64,
     pub merged_pair_count: u64,
@@ -277,7 +284,14 @@ pub struct LayoutReport {
     /// With indexed coordinates.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<TableReport>,
+    /// Of a conversion with indexed coordinates; over all parts, with the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub savings: Option<SavingsReport>,
     pub levels: Vec<LayoutLevel>,
+}
+
+fn is_first(part: &usize) -> bool {
+    *part == 0
 }
 
 /// How corners name texels.
@@ -290,6 +304,21 @@ pub enum CoordinatesKind {
     /// By the number of a block, which a table places at each level.
     #[serde(rename = "indexed")]
     Indexed,
+}
+
+/// What is stored once instead of several times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SavingsReport {
+    /// Faces (a pair of triangles is one) that use the texels of another that stores the same.
+    pub shared_face_count: u64,
+    /// What they would take, at level 0 and at all levels together.
+    pub shared_texels: u64,
+    pub shared_texels_all_levels: u64,
+    /// Faces that stand in larger blocks.
+    pub joined_face_count: u64,
+    /// What they would take more by themselves.
+    pub joined_texels: u64,
+    pub joined_texels_all_levels: u64,
 }
 
 /// The table of indexed coordinates.

@@ -10,25 +10,44 @@ use super::texels::{CLAMPED, Texels};
 use crate::error::{Error, Result};
 use crate::finished::FinishedTexture;
 
-/// One converted texture over its surface.
+/// One converted channel over its surface.
 pub struct Converted<'a> {
     pub surface: &'a Surface<'a>,
-    pub texture: &'a FinishedTexture,
+    /// By part of the material; all with as many levels.
+    pub textures: Vec<&'a FinishedTexture>,
     pub meaning: Meaning,
+    /// By part of the surface, which of the textures it reads.
+    reads: Vec<usize>,
 }
 
-impl Converted<'_> {
+impl<'a> Converted<'a> {
     /// # Errors
-    /// `InvalidModel` where normals have no frames to stand in.
-    pub fn check(&self) -> Result<()> {
-        let lacks_frames = |part: &&super::surface::Part<'_>| part.frames().len() != part.triangles.len();
-        if matches!(self.meaning, Meaning::Normal { .. })
-            && let Some(part) = self.surface.parts.iter().find(lacks_frames)
-        {
-            let pointer = format!("/meshes/{}/primitives/{}", part.mesh, part.primitive);
-            return Err(Error::invalid("a converted normal map needs NORMAL and TANGENT").at(pointer));
+    /// `InvalidModel` where triangles stand in a part that has no texture, and where normals have no frames to stand
+    /// in.
+    pub fn new(
+        surface: &'a Surface<'a>,
+        textures: Vec<&'a FinishedTexture>,
+        meaning: Meaning,
+    ) -> Result<Self> {
+        let mut reads = Vec::with_capacity(surface.parts.len());
+        for part in &surface.parts {
+            let lie = |rule: String| {
+                Error::invalid(rule).at(format!("/meshes/{}/primitives/{}", part.mesh, part.primitive))
+            };
+            let own = textures.iter().position(|texture| texture.part == part.part());
+            let lacks =
+                || lie(format!("part {} of material {} has no texture", part.part(), surface.material));
+            reads.push(own.ok_or_else(lacks)?);
+            let is_normal = matches!(meaning, Meaning::Normal { .. });
+            if is_normal && part.frames().len() != part.triangles.len() {
+                return Err(lie("a converted normal map needs NORMAL and TANGENT".to_owned()));
+            }
         }
-        Ok(())
+        Ok(Self { surface, textures, meaning, reads })
+    }
+
+    pub fn level_count(&self) -> usize {
+        self.textures.iter().map(|texture| texture.levels.len()).min().unwrap_or(0)
     }
 
     /// The jumps on the pairs with the given indices.
@@ -53,14 +72,25 @@ impl Converted<'_> {
     }
 
     fn judge(&self, level: usize) -> Judge<'_> {
-        let components = self.texture.levels[level].components;
-        Judge { texels: self.texels(level), meaning: self.meaning, components }
+        let components = self.textures.first().map_or(0, |texture| texture.levels[level].components);
+        let images = (0..self.textures.len()).map(|number| self.image(number, level)).collect();
+        Judge { images, meaning: self.meaning, components }
     }
 
-    /// A level as it is sampled.
-    pub fn texels(&self, level: usize) -> Texels<'_> {
-        Texels::new(&self.texture.levels[level], self.meaning.transfer(), CLAMPED)
-            .in_range(self.texture.ranges.get(&level))
+    /// Which of the textures a part of the surface reads.
+    pub fn texture_of(&self, part: usize) -> usize {
+        self.reads[part]
+    }
+
+    /// A level as a part of the surface samples it.
+    pub fn texels(&self, part: usize, level: usize) -> Texels<'_> {
+        self.image(self.reads[part], level)
+    }
+
+    fn image(&self, number: usize, level: usize) -> Texels<'_> {
+        let texture = self.textures[number];
+        Texels::new(&texture.levels[level], self.meaning.transfer(), CLAMPED)
+            .in_range(texture.ranges.get(&level))
     }
 
     /// Both sides of a pair, in the direction of the first.
@@ -75,7 +105,8 @@ impl Converted<'_> {
         let frames = matches!(self.meaning, Meaning::Normal { .. })
             .then(|| ends.map(|k| part.frames()[side.triangle as usize][k]));
         let [from, to] = ends.map(|end| triangle.corners[end]);
-        Track { from, to, scale: map.scale, shift: map.shift, frames }
+        let image = self.reads[side.part as usize];
+        Track { image, from, to, scale: map.scale, shift: map.shift, frames }
     }
 }
 

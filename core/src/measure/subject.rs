@@ -10,12 +10,13 @@ use super::report::{
     ChannelReport, CutShare, Growth, LayoutReport, LevelReport, SolverReport, SourceLevel, StoredReport, Unit,
 };
 use super::seams::{self, Converted};
+use super::sets::Channel;
 use super::surface::Surface;
 use super::yardstick::Extent;
 use super::{layout, mips, points, surface};
 use crate::asset::{Asset, Slot};
 use crate::error::{Error, Result};
-use crate::finished::{Finished, FinishedTexture};
+use crate::finished::Finished;
 use crate::image::{Image, Pixels};
 use crate::watch::{self, Watch};
 
@@ -33,22 +34,39 @@ const POINTS_PER_PROBE: usize = 64;
 /// What only the conversion knows, copied into the reports as it stands.
 #[derive(Clone, Debug, Default)]
 pub struct Extras {
-    /// By material: the distinct mesh color samples of each level.
-    pub sample_counts: Vec<(usize, Vec<u64>)>,
-    /// By finished texture; may be shorter.
-    pub solver: Vec<Vec<SolverReport>>,
-    /// By finished texture; may be shorter.
-    pub stored: Vec<Vec<StoredReport>>,
+    /// What is not there gives no efficiency.
+    pub sample_counts: Vec<SampleCounts>,
+    /// Of the channels that have any.
+    pub channels: Vec<ChannelExtras>,
     /// What area the yardstick spreads its texels over.
     pub yardstick: Extent,
+}
+
+/// The distinct mesh color samples of each level that stand in one part of a material.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SampleCounts {
+    pub material: usize,
+    pub part: usize,
+    pub levels: Vec<u64>,
+}
+
+/// What was done to one channel of a material, over all its parts.
+#[derive(Clone, Debug)]
+pub struct ChannelExtras {
+    pub material: usize,
+    /// As its textures have them.
+    pub slots: Vec<Slot>,
+    pub solver: Vec<SolverReport>,
+    pub stored: Vec<StoredReport>,
 }
 
 /// What measuring ends in.
 #[derive(Clone, Debug, Default)]
 pub struct Measured {
-    /// In the order of the finished textures; of a plain source by material and slot.
+    /// By material, and there in the order of the finished textures; of a plain source by material and slot.
     pub channels: Vec<ChannelReport>,
-    /// By material; empty for a plain source.
+    /// By set of textures: one for each part of a material, or for several materials that share it. Empty for a plain
+    /// source.
     pub layouts: Vec<LayoutReport>,
     pub focus: Option<Focus>,
 }
@@ -87,72 +105,60 @@ struct Shared<'a> {
 
 impl Subject<'_> {
     fn measured(&self) -> Result<Measured> {
-        self.finished.check_coordinates()?;
-        let textures = &self.finished.textures;
-        let mut materials: Vec<usize> = textures.iter().map(|texture| texture.material).collect();
-        materials.sort_unstable();
-        materials.dedup();
-        let mut channels: Vec<Option<ChannelReport>> = vec![None; textures.len()];
-        let mut layouts = Vec::new();
+        self.finished.check()?;
+        let parts = self.finished.parts();
+        let mut channels = Vec::new();
+        let mut tallies = Vec::new();
         let mut best = None;
-        let parts = surface::by_material(self.asset, self.finished);
-        let probe_count = (PROBES_OF_ALL / materials.len().max(1)).clamp(PROBES_LEAST, PROBES_MOST);
-        for material in materials {
+        let by_material = surface::by_material(self.asset, self.finished);
+        let probe_count = (PROBES_OF_ALL / parts.len().max(1)).clamp(PROBES_LEAST, PROBES_MOST);
+        for material in parts.into_keys() {
             watch::check(self.watch)?;
             self.watch.step(Some("layout"));
-            let written = parts.get(material).map_or(&[][..], Vec::as_slice);
+            let written = by_material.get(material).map_or(&[][..], Vec::as_slice);
             let surface = Surface::of_finished(self.asset, written, material)?;
-            let counts = self.extras.sample_counts.iter().find(|(of, _)| *of == material);
-            let counts = counts.map(|(_, counts)| counts.as_slice());
-            layouts.push(layout::report(self.asset, self.finished, &surface, counts));
-            let of_material = || textures.iter().enumerate().filter(|(_, t)| t.material == material);
+            tallies.extend(layout::tallies(&surface)?);
+            let own: Vec<Channel<'_>> = Channel::all(self.finished, material);
             let (mut points, mut averages) = (Vec::new(), None);
             if self.has_source {
                 self.watch.step(Some("mip_error"));
-                let finest = of_material().filter_map(|(_, texture)| texture.levels.first());
-                let texel_count = finest.map(|image| image.texel_count() as u64).max().unwrap_or(0);
+                let texel_count = own.iter().map(|channel| channel.texel_count).max().unwrap_or(0);
                 points = points::scatter(&surface, fidelity::point_count(texel_count));
                 let probe_count = probe_count.min(points.len() / POINTS_PER_PROBE).max(PROBES_LEAST);
-                let level_count = of_material().map(|(_, texture)| texture.levels.len()).max().unwrap_or(0);
+                let level_count = own.iter().map(Channel::level_count).max().unwrap_or(0);
                 averages = Some(Averages::new(&surface, texel_count, probe_count, level_count));
             }
             let shared = Shared { surface: &surface, points: &points, averages: averages.as_ref() };
-            for (number, texture) in of_material() {
-                let (channel, candidate) = self.channel(number, texture, &shared)?;
-                channels[number] = Some(channel);
+            for channel in &own {
+                let (report, candidate) = self.channel(channel, &shared)?;
+                channels.push(report);
                 best = Candidate::better(best, candidate);
             }
         }
+        self.watch.step(Some("layout"));
+        let layouts = layout::reports(self.asset, self.finished, tallies, &self.extras.sample_counts);
         self.watch.step(None);
-        Ok(Measured {
-            channels: channels.into_iter().flatten().collect(),
-            layouts,
-            focus: best.map(|candidate| candidate.focus),
-        })
+        Ok(Measured { channels, layouts, focus: best.map(|candidate| candidate.focus) })
     }
 
-    fn channel(
-        &self,
-        number: usize,
-        texture: &FinishedTexture,
-        shared: &Shared<'_>,
-    ) -> Result<(ChannelReport, Option<Candidate>)> {
+    fn channel(&self, own: &Channel<'_>, shared: &Shared<'_>) -> Result<(ChannelReport, Option<Candidate>)> {
         let surface = shared.surface;
-        let (Some(&slot), Some(finest)) = (texture.slots.first(), texture.levels.first()) else {
-            return Err(Error::internal(format!("finished texture {number} has no slot or no level")));
+        let (Some(&slot), Some(finest)) = (own.slots().first(), own.finest()) else {
+            return Err(Error::internal("a finished texture has no slot or no level")
+                .at(format!("/materials/{}", surface.material)));
         };
-        let slot = if texture.is_normal() { Slot::Normal } else { slot };
-        let converted = Converted { surface, texture, meaning: meaning(self.asset, texture.material, slot) };
-        converted.check()?;
+        let slot = if own.slots().contains(&Slot::Normal) { Slot::Normal } else { slot };
+        let meaning = meaning(self.asset, surface.material, slot);
+        let converted = Converted::new(surface, own.textures.clone(), meaning)?;
         let origin = if self.has_source { Origin::new(self.asset, surface, slot)? } else { None };
-        let level_limit = texture.levels.len().max(FOCUS_LEVELS);
+        let level_limit = own.level_count().max(FOCUS_LEVELS);
         self.watch.step(Some("source"));
         let source = match &origin {
             Some(origin) => Some(SourceSeams::survey(origin, surface, level_limit, self.watch)?),
             None => None,
         };
-        let cut_flags = surface.cut_flags(number);
-        let mut channel = described(self.asset, texture.material, &texture.slots, finest);
+        let cut_flags = surface.cut_flags(&own.numbers);
+        let mut channel = described(self.asset, surface.material, own.slots(), finest);
         channel.unit = converted.meaning.unit();
         let seam = source.as_ref().map_or(&[][..], |source| &source.seam);
         channel.cuts = seams::cut_share(surface, seam, &cut_flags);
@@ -160,17 +166,22 @@ impl Subject<'_> {
         channel.levels = self.levels(&converted, source.as_ref(), &cut_flags)?;
         if let Some(origin) = &origin {
             self.watch.step(Some("fidelity"));
-            channel.fidelity = fidelity(origin, &converted, shared.points, self.extras.yardstick);
+            let yardstick = (self.extras.yardstick, own.texel_count as usize);
+            channel.fidelity = fidelity(origin, &converted, shared.points, yardstick);
             self.watch.step(Some("mip_error"));
             let errors = shared.averages.map(|averages| averages.mip_errors(origin, &converted, &cut_flags));
             let beyond_first = channel.levels.iter_mut().skip(1);
             beyond_first.zip(errors.into_iter().flatten()).for_each(|(level, error)| level.mip_error = error);
         }
-        channel.solver = self.extras.solver.get(number).cloned().unwrap_or_default();
-        channel.stored = self.extras.stored.get(number).cloned().unwrap_or_default();
+        let is_own =
+            |of: &&ChannelExtras| of.material == surface.material && of.slots.as_slice() == own.slots();
+        if let Some(done) = self.extras.channels.iter().find(is_own) {
+            (channel.solver, channel.stored) = (done.solver.clone(), done.stored.clone());
+        }
         let candidate = source.as_ref().and_then(|source| {
-            let kind = (channel.unit, texture.slots.contains(&Slot::BaseColor));
-            focus::candidate(surface, source, &cut_flags, number, kind)
+            let kind = (channel.unit, own.slots().contains(&Slot::BaseColor));
+            let texture = |part: usize| own.numbers[converted.texture_of(part)];
+            focus::candidate(surface, source, &cut_flags, &texture, kind)
         });
         Ok((channel, candidate))
     }
@@ -184,17 +195,19 @@ impl Subject<'_> {
         let surface = converted.surface;
         let uncut = seams::uncut(cut_flags);
         let agreed = source.map(SourceSeams::agreed_pairs).unwrap_or_default();
-        let mut levels = Vec::with_capacity(converted.texture.levels.len());
-        for (number, image) in converted.texture.levels.iter().enumerate() {
+        let level_count = converted.level_count();
+        let mut levels = Vec::with_capacity(level_count);
+        for number in 0..level_count {
             watch::check(self.watch)?;
             let [seams, seams_8bit_weights] = converted.figures(number, &uncut);
             let means = converted.survey(number, &agreed).edge_means;
+            let range = converted.textures.iter().find_map(|texture| texture.ranges.get(&number));
             levels.push(LevelReport {
                 level: number as u32,
-                size: image.size(),
+                size: converted.textures.first().map_or([0; 2], |texture| texture.levels[number].size()),
                 seams,
                 seams_8bit_weights,
-                range: converted.texture.ranges.get(&number).map(|range| range.name().to_owned()),
+                range: range.map(|range| range.name().to_owned()),
                 drift: weighted_mean(&surface.pairs, &agreed, means.into_iter()),
                 source: source.and_then(|source| source.report(surface, number)),
                 mip_error: None,
@@ -280,9 +293,10 @@ pub fn growth(asset: &Asset, finished: &Finished) -> Growth {
     let mut images: Vec<usize> = finished
         .textures
         .iter()
-        .filter_map(|texture| {
-            let material = asset.materials.get(texture.material)?;
-            material.slot(*texture.slots.first()?).map(|texture| texture.image)
+        .flat_map(|texture| {
+            let slot = texture.slots.first().copied();
+            let shown = |&material: &usize| asset.materials.get(material)?.slot(slot?).map(|of| of.image);
+            texture.materials.iter().filter_map(shown).collect::<Vec<_>>()
         })
         .collect();
     images.sort_unstable();

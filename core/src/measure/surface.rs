@@ -11,7 +11,7 @@ use crate::finished::{Anchor, Coordinates, Finished, FinishedPrimitive, Finished
 /// No image is as large: converted coordinates beyond are refused.
 const FAR_TEXELS: f32 = 1e9;
 
-/// The triangles of one primitive.
+/// The triangles of one primitive that stand in one part of its material.
 pub struct Part<'a> {
     pub mesh: usize,
     pub primitive: usize,
@@ -35,6 +35,33 @@ impl Part<'_> {
         self.coordinates.place_at(&self.placed[triangle], at, level)
     }
 
+    /// The face of each triangle.
+    ///
+    /// # Errors
+    /// `InvalidModel` where the triangles are not some of those that the faces are drawn as, in their order.
+    pub fn faces(&self) -> Result<Vec<u32>> {
+        let sorted = |mut triangle: [u32; 3]| {
+            triangle.sort_unstable();
+            triangle
+        };
+        let mut drawn = fan(self.geometry);
+        let mut face = |&triangle: &[u32; 3]| {
+            drawn
+                .find(|(_, own)| sorted(*own) == sorted(triangle))
+                .map(|(number, _)| number as u32)
+                .ok_or_else(|| {
+                    Error::invalid("the drawn triangles are not those of the asset's faces")
+                        .at(format!("/meshes/{}/primitives/{}", self.mesh, self.primitive))
+                })
+        };
+        self.triangles.iter().map(&mut face).collect()
+    }
+
+    /// Of its material.
+    pub fn part(&self) -> usize {
+        self.finished.map_or(0, |finished| finished.part)
+    }
+
     /// The frames a conversion gave; empty where it has none.
     pub fn frames(&self) -> &[[Frame; 3]] {
         self.finished.map_or(&[], |finished| &finished.frames)
@@ -43,7 +70,7 @@ impl Part<'_> {
 
 pub struct Surface<'a> {
     pub material: usize,
-    /// In order of mesh, then primitive.
+    /// In order of mesh, primitive and part.
     pub parts: Vec<Part<'a>>,
     pub pairs: Vec<EdgePair>,
 }
@@ -96,7 +123,7 @@ impl<'a> Surface<'a> {
                 finished: Some(written),
             });
         }
-        parts.sort_by_key(|part| (part.mesh, part.primitive));
+        parts.sort_by_key(|part| (part.mesh, part.primitive, part.part()));
         Ok(Self::joined(material, parts))
     }
 
@@ -113,14 +140,14 @@ impl<'a> Surface<'a> {
         self.parts.iter().map(|part| part.triangles.len()).sum()
     }
 
-    /// For each pair, whether either side's triangle says that `texture` does not join it.
-    pub fn cut_flags(&self, texture: usize) -> Vec<bool> {
+    /// For each pair, whether either side's triangle says that its texture does not join it, one of `textures`.
+    pub fn cut_flags(&self, textures: &[usize]) -> Vec<bool> {
         let bits: Vec<&[u8]> = self
             .parts
             .iter()
             .map(|part| {
                 let cuts = part.finished.map_or(&[][..], |finished| &finished.cuts);
-                cuts.iter().find(|cuts| cuts.texture == texture).map_or(&[][..], |cuts| &cuts.bits)
+                cuts.iter().find(|cuts| textures.contains(&cuts.texture)).map_or(&[][..], |cuts| &cuts.bits)
             })
             .collect();
         let marked = |side: &Side| {

@@ -159,33 +159,52 @@ impl<'a> Texels<'a> {
         }
     }
 
-    /// Whether two straight runs of `count` texels, each given by its first and its step, hold the same
-    /// codes. False where a run leaves the image.
-    pub fn equal_runs(&self, a: ([i32; 2], [i32; 2]), b: ([i32; 2], [i32; 2]), count: i32) -> bool {
-        match &self.image.pixels {
-            Pixels::U8(codes) => self.equal_codes(codes, a, b, count),
-            Pixels::U16(codes) => self.equal_codes(codes, a, b, count),
+    /// Whether two straight runs of `count` texels, the first here and the second in `other`, hold the same codes, and
+    /// the codes mean the same. False where a run leaves its image.
+    pub fn equal_runs(&self, other: &Texels<'_>, runs: [Run; 2], count: i32) -> bool {
+        if !self.decodes_as(other) {
+            return false;
+        }
+        match (&self.image.pixels, &other.image.pixels) {
+            (Pixels::U8(here), Pixels::U8(there)) => {
+                equal_codes([(self.image, here), (other.image, there)], runs, count)
+            }
+            (Pixels::U16(here), Pixels::U16(there)) => {
+                equal_codes([(self.image, here), (other.image, there)], runs, count)
+            }
+            _ => false,
         }
     }
 
-    fn equal_codes<T: Copy + PartialEq>(
-        &self,
-        codes: &[T],
-        a: ([i32; 2], [i32; 2]),
-        b: ([i32; 2], [i32; 2]),
-        count: i32,
-    ) -> bool {
-        let size = self.image.size().map(i64::from);
-        let components = usize::from(self.image.components);
-        let texel = |([x, y], [right, down]): ([i32; 2], [i32; 2]), step: i32| {
-            let at = |from: i32, by: i32| i64::from(from) + i64::from(by) * i64::from(step);
-            let (x, y) = (at(x, right), at(y, down));
-            let is_inside = (0..size[0]).contains(&x) && (0..size[1]).contains(&y);
-            is_inside.then(|| &codes[(y * size[0] + x) as usize * components..][..components])
+    fn decodes_as(&self, other: &Texels<'_>) -> bool {
+        let is_one = match (self.tables, other.tables) {
+            (Decoding::Eight(here), Decoding::Eight(there)) => {
+                here.iter().zip(there).all(|(here, there)| std::ptr::eq(*here, there))
+            }
+            (Decoding::Sixteen(here), Decoding::Sixteen(there)) => {
+                here.iter().zip(there).all(|(here, there)| std::ptr::eq(*here, there))
+            }
+            _ => false,
         };
-        (0..count)
-            .all(|step| matches!((texel(a, step), texel(b, step)), (Some(a), Some(b)) if a.iter().eq(b)))
+        is_one && self.scaled == other.scaled && self.image.components == other.image.components
     }
+}
+
+/// A straight run of texels: the first, and the step to the next.
+pub type Run = ([i32; 2], [i32; 2]);
+
+fn equal_codes<T: Copy + PartialEq>(images: [(&Image, &Vec<T>); 2], runs: [Run; 2], count: i32) -> bool {
+    let texel = |which: usize, step: i32| {
+        let (image, codes) = images[which];
+        let ([x, y], [right, down]) = runs[which];
+        let size = image.size().map(i64::from);
+        let components = usize::from(image.components);
+        let at = |from: i32, by: i32| i64::from(from) + i64::from(by) * i64::from(step);
+        let (x, y) = (at(x, right), at(y, down));
+        let is_inside = (0..size[0]).contains(&x) && (0..size[1]).contains(&y);
+        is_inside.then(|| &codes[(y * size[0] + x) as usize * components..][..components])
+    };
+    (0..count).all(|step| matches!((texel(0, step), texel(1, step)), (Some(a), Some(b)) if a == b))
 }
 
 /// Texels as red, green, blue, alpha.

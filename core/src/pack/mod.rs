@@ -6,22 +6,24 @@
 //!
 //! This needs blocks that have their corners on texel centers at every level, wherever they stand: indexed coordinates.
 
+mod copy;
 mod join;
 mod share;
+mod split;
 #[cfg(test)]
 mod tests;
 mod texels;
 mod turn;
 
-use rayon::prelude::*;
-
-use crate::image::{Image, Pixels};
+use crate::error::Result;
+use crate::image::Image;
 use crate::layout::{Class, Layout, Page};
 use crate::mesh::CanvasMesh;
 
+pub use copy::Channel;
 use join::patches;
 use share::{Twin, twins};
-use texels::FaceTexels;
+use split::split;
 use turn::Turn;
 
 /// A material's finished level images with a layout for indexed coordinates.
@@ -32,9 +34,18 @@ pub struct Painted<'a> {
     pub images: Vec<&'a [Image]>,
 }
 
+#[derive(Clone, Copy, Debug)]
+pub struct PackOptions {
+    /// Whether equal faces use one block.
+    pub shares: bool,
+    /// Largest side of an image. What needs more becomes several parts.
+    pub max_side: u32,
+}
+
 /// Where a face stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spot {
+    pub part: u32,
     pub class: u32,
     /// Of its block in the class.
     pub number: u32,
@@ -44,24 +55,36 @@ pub struct Spot {
     pub is_second: bool,
 }
 
-/// Blocks set out anew.
+/// Blocks of one or several materials set out anew.
 #[derive(Clone, Debug, Default)]
 pub struct Packed {
-    pub page: Page,
-    /// By face.
-    pub spots: Vec<Spot>,
-    /// Faces that have no texels of their own.
+    /// By part: one, but where an image would be too large.
+    pub pages: Vec<Page>,
+    /// By material and face.
+    pub spots: Vec<Vec<Spot>>,
+    pub savings: Savings,
+    /// By part.
+    pieces: Vec<Vec<Piece>>,
+}
+
+/// What is stored once instead of several times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Savings {
+    /// Faces that have no texels of their own, and what they would take: at level 0, and at all levels.
     pub shared_count: u64,
-    /// Faces in blocks of several.
+    pub shared_texels: [u64; 2],
+    /// Faces in larger blocks, and what standing alone would take more.
     pub joined_count: u64,
-    pieces: Vec<Piece>,
+    pub joined_texels: [u64; 2],
 }
 
 /// A face's texels on their way.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
+    material: usize,
     face: u32,
     turn: Turn,
+    part: u32,
     class: u32,
     number: u32,
     cell: [u32; 2],
@@ -70,67 +93,59 @@ struct Piece {
 
 /// Faces in one block: one, two lone triangles, or a grid of quads.
 struct Block {
+    material: usize,
     class: Class,
     faces: Vec<(u32, Turn)>,
 }
 
-/// Sets out what was painted. `shares`: whether equal faces use one block.
-pub fn pack(painted: &Painted<'_>, shares: bool, side_limit: u32) -> Packed {
-    let face_count = painted.layout.placements.len();
-    let twins = if shares { twins(painted) } else { vec![None; face_count] };
-    let mut blocks = blocks(painted, &twins);
-    blocks.sort_by_key(|block| {
-        (block.class.is_lone, block.class.cells, block.class.exponents, block.faces[0].0)
-    });
-    let (classes, places) = Class::number(blocks.iter().map(|block| block.class));
+/// Sets out anew what was painted of materials that have the same channels, all together.
+///
+/// # Errors
+/// `TextureTooLarge` where one block alone is.
+pub fn pack(group: &[Painted<'_>], options: PackOptions) -> Result<Packed> {
+    let level_count = group.iter().map(|painted| painted.layout.level_count()).max().unwrap_or(0);
+    let twins: Vec<Vec<Option<Twin>>> = (group.iter())
+        .map(|painted| if options.shares { twins(painted) } else { vec![None; painted.face_count()] })
+        .collect();
+    let each = group.iter().zip(&twins).enumerate();
+    let blocks: Vec<Block> =
+        each.flat_map(|(material, (painted, twins))| blocks(material, painted, twins)).collect();
     let mut packed = Packed {
-        page: Page::new(classes, painted.layout.level_count(), side_limit),
-        spots: vec![Spot::default(); face_count],
-        shared_count: twins.iter().flatten().count() as u64,
+        spots: group.iter().map(|painted| vec![Spot::default(); painted.face_count()]).collect(),
+        savings: savings(group, &twins, &blocks),
         ..Packed::default()
     };
-    for (block, [class, number]) in blocks.iter().zip(places) {
-        packed.joined_count +=
-            if block.class.is_lone || block.faces.len() == 1 { 0 } else { block.faces.len() as u64 };
-        for (place, &(face, turn)) in (0u32..).zip(&block.faces) {
-            let is_second = block.class.is_lone && place == 1;
-            let width = block.class.cells[0];
-            let cell = if is_second { [0, 0] } else { [place % width, place / width] };
-            packed.pieces.push(Piece { face, turn, class, number, cell, is_second });
-        }
+    for (part, mut blocks) in (0u32..).zip(split(blocks, options.max_side)?) {
+        blocks.sort_by_key(Block::order);
+        let (classes, places) = Class::number(blocks.iter().map(|block| block.class));
+        packed.pages.push(Page::new(classes, level_count, options.max_side));
+        let pieces = blocks.iter().zip(places).flat_map(|(block, place)| block.pieces(part, place));
+        packed.pieces.push(pieces.collect());
     }
-    for piece in &packed.pieces {
-        packed.spots[piece.face as usize] = piece.spot(painted, piece.face as usize, Turn::NONE);
-    }
-    // Those of faces without texels by the pieces of the faces that stand for them.
-    let mut piece_of = vec![0; face_count];
-    for (number, piece) in packed.pieces.iter().enumerate() {
-        piece_of[piece.face as usize] = number;
-    }
-    for (face, twin) in twins.iter().enumerate().filter_map(|(face, twin)| Some((face, twin.as_ref()?))) {
-        let piece = &packed.pieces[piece_of[twin.of as usize]];
-        packed.spots[face] = piece.spot(painted, face, twin.turn);
-    }
-    packed
+    packed.find_spots(group, &twins);
+    Ok(packed)
 }
 
-/// The blocks of all faces that have texels of their own.
-fn blocks(painted: &Painted<'_>, twins: &[Option<Twin>]) -> Vec<Block> {
+/// The blocks of all faces of a material that have texels of their own.
+fn blocks(material: usize, painted: &Painted<'_>, twins: &[Option<Twin>]) -> Vec<Block> {
     let class = |cells, exponents, is_lone| Class { cells, exponents, is_lone, block_count: 0 };
     let quads = patches(painted, |face| twins[face].is_none());
     let mut blocks: Vec<Block> = quads
         .into_iter()
-        .map(|patch| Block { class: class(patch.cells, patch.exponents, false), faces: patch.faces })
+        .map(|patch| {
+            let class = class(patch.cells, patch.exponents, false);
+            Block { material, class, faces: patch.faces }
+        })
         .collect();
     // Lone triangles of one exponent two by two.
     let mut waiting: [Option<u32>; 32] = [None; 32];
     let lone = |exponent: u8, faces: &[u32]| Block {
+        material,
         class: class([1, 1], [exponent; 2], true),
         faces: faces.iter().map(|&face| (face, Turn::NONE)).collect(),
     };
-    for face in
-        (0..twins.len()).filter(|&face| painted.canvas.faces[face].is_triangle() && twins[face].is_none())
-    {
+    let is_lone = |face: &usize| painted.canvas.faces[*face].is_triangle() && twins[*face].is_none();
+    for face in (0..twins.len()).filter(is_lone) {
         let [exponent, _] = painted.layout.block(face).exponents;
         let waiting = &mut waiting[usize::from(exponent)];
         match waiting.take() {
@@ -143,6 +158,76 @@ fn blocks(painted: &Painted<'_>, twins: &[Option<Twin>]) -> Vec<Block> {
     blocks
 }
 
+fn savings(group: &[Painted<'_>], twins: &[Vec<Option<Twin>>], blocks: &[Block]) -> Savings {
+    let mut savings = Savings::default();
+    let texels = |painted: &Painted<'_>, class: &Class| {
+        let of_level = |level: usize| class.footprint(level).into_iter().map(u64::from).product::<u64>();
+        [of_level(0), (0..painted.layout.level_count()).map(of_level).sum()]
+    };
+    for (painted, twins) in group.iter().zip(twins) {
+        for face in (0..twins.len()).filter(|&face| twins[face].is_some()) {
+            let block = painted.layout.block(face);
+            let is_lone = block.kind.is_lone();
+            let alone = Class { cells: [1, 1], exponents: block.exponents, is_lone, block_count: 0 };
+            let saved = texels(painted, &alone).map(|texels| if is_lone { texels / 2 } else { texels });
+            savings.shared_count += 1;
+            savings.shared_texels = [0, 1].map(|k| savings.shared_texels[k] + saved[k]);
+        }
+    }
+    for block in blocks.iter().filter(|block| block.class.cells != [1, 1]) {
+        let painted = &group[block.material];
+        let [alone, joined] =
+            [Class { cells: [1, 1], ..block.class }, block.class].map(|class| texels(painted, &class));
+        let count = block.faces.len() as u64;
+        savings.joined_count += count;
+        savings.joined_texels = [0, 1].map(|k| savings.joined_texels[k] + count * alone[k] - joined[k]);
+    }
+    savings
+}
+
+impl Painted<'_> {
+    fn face_count(&self) -> usize {
+        self.layout.placements.len()
+    }
+}
+
+impl Block {
+    /// In which blocks of a part stand: classes that come down to one size follow each other.
+    fn order(&self) -> (bool, [u32; 2], [u8; 2], usize, u32) {
+        (self.class.is_lone, self.class.cells, self.class.exponents, self.material, self.faces[0].0)
+    }
+
+    fn pieces(&self, part: u32, [class, number]: [u32; 2]) -> impl Iterator<Item = Piece> {
+        (0u32..).zip(&self.faces).map(move |(place, &(face, turn))| {
+            let is_second = self.class.is_lone && place == 1;
+            let width = self.class.cells[0];
+            let cell = if is_second { [0, 0] } else { [place % width, place / width] };
+            Piece { material: self.material, face, turn, part, class, number, cell, is_second }
+        })
+    }
+}
+
+impl Packed {
+    fn find_spots(&mut self, group: &[Painted<'_>], twins: &[Vec<Option<Twin>>]) {
+        let mut piece_of: Vec<Vec<Option<&Piece>>> =
+            group.iter().map(|painted| vec![None; painted.face_count()]).collect();
+        for piece in self.pieces.iter().flatten() {
+            piece_of[piece.material][piece.face as usize] = Some(piece);
+        }
+        for (material, (painted, spots)) in group.iter().zip(&mut self.spots).enumerate() {
+            for (face, spot) in spots.iter_mut().enumerate() {
+                let (of, turn) = match twins[material][face] {
+                    Some(twin) => (twin.of as usize, twin.turn),
+                    None => (face, Turn::NONE),
+                };
+                if let Some(piece) = piece_of[material][of] {
+                    *spot = piece.spot(painted, face, turn);
+                }
+            }
+        }
+    }
+}
+
 impl Piece {
     /// Where a face stands that `turn` lays on this piece's.
     fn spot(&self, painted: &Painted<'_>, face: usize, turn: Turn) -> Spot {
@@ -151,54 +236,6 @@ impl Piece {
             let unit = all.point(painted.unit(face, corner), [1, 1]);
             if self.is_second { unit.map(|at| 1 - at) } else { [0, 1].map(|k| self.cell[k] + unit[k]) }
         });
-        Spot { class: self.class, number: self.number, corners, is_second: self.is_second }
-    }
-}
-
-impl Packed {
-    /// A channel's level images as they are set out anew.
-    pub fn images(&self, layout: &Layout, levels: &[Image]) -> Vec<Image> {
-        levels.par_iter().enumerate().map(|(level, image)| self.image(layout, level, image)).collect()
-    }
-
-    fn image(&self, layout: &Layout, level: usize, image: &Image) -> Image {
-        let [width, height] = self.page.sizes[level];
-        let code_count = width as usize * height as usize * usize::from(image.components);
-        let pixels = match &image.pixels {
-            Pixels::U8(codes) => Pixels::U8(self.codes(layout, level, image, codes, code_count)),
-            Pixels::U16(codes) => Pixels::U16(self.codes(layout, level, image, codes, code_count)),
-        };
-        Image { width, height, components: image.components, pixels }
-    }
-
-    fn codes<T: Copy + Default>(
-        &self,
-        layout: &Layout,
-        level: usize,
-        image: &Image,
-        codes: &[T],
-        code_count: usize,
-    ) -> Vec<T> {
-        let mut copied = vec![T::default(); code_count];
-        let count = usize::from(image.components);
-        for piece in &self.pieces {
-            let from = FaceTexels::of_face(layout, piece.face as usize, level).turned(piece.turn);
-            let to = self.texels(piece, level);
-            for (from, to) in from.rows().zip(to.rows()) {
-                for (from, to) in from.zip(to) {
-                    copied[to * count..(to + 1) * count]
-                        .copy_from_slice(&codes[from * count..(from + 1) * count]);
-                }
-            }
-        }
-        copied
-    }
-
-    fn texels(&self, piece: &Piece, level: usize) -> FaceTexels {
-        let class = &self.page.classes[piece.class as usize];
-        let segments = class.segments(level);
-        let [x, y] = self.page.grids[level][piece.class as usize].first_texel(class, level, piece.number);
-        let first = [x + piece.cell[0] * segments[0], y + piece.cell[1] * segments[1]];
-        FaceTexels::new(first, segments, self.page.sizes[level][0], class.is_lone, piece.is_second)
+        Spot { part: self.part, class: self.class, number: self.number, corners, is_second: self.is_second }
     }
 }

@@ -2,8 +2,9 @@ use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 
+use super::copy::Channel;
 use super::turn::Turn;
-use super::{Packed, Painted, pack};
+use super::{PackOptions, Packed, Painted, pack};
 use crate::colors::{Resolutions, level_count};
 use crate::image::{Image, Pixels};
 use crate::layout::{Coordinates, Layout, LayoutRequest, TWIN_SHIFT, arrange};
@@ -76,7 +77,7 @@ impl Sheet {
     }
 
     fn packed(&self, shares: bool) -> Packed {
-        pack(&self.painted(), shares, 4096)
+        pack(&[self.painted()], PackOptions { shares, max_side: 4096 }).unwrap()
     }
 
     fn painted(&self) -> Painted<'_> {
@@ -102,15 +103,15 @@ fn across(of: impl Fn(usize) -> Vec2, canvas: &CanvasMesh, face: usize, s: f32, 
 
 /// Reads every point of every face from the new images as a viewer does, and compares.
 fn is_unchanged(sheet: &Sheet, packed: &Packed, resolutions: &Resolutions) -> Result<(), TestCaseError> {
-    let images = packed.images(&sheet.layout, &sheet.levels);
+    let images = packed.images(0, &[Channel { layout: &sheet.layout, levels: &sheet.levels }]);
     let code = |image: &Image, place: Vec2| match &image.pixels {
         Pixels::U8(codes) => codes[place.y as usize * image.width as usize + place.x as usize],
         Pixels::U16(_) => unreachable!(),
     };
     for (level, (old, new)) in sheet.levels.iter().zip(&images).enumerate() {
-        for (face, spot) in packed.spots.iter().enumerate() {
-            let class = &packed.page.classes[spot.class as usize];
-            let grid = &packed.page.grids[level][spot.class as usize];
+        for (face, spot) in packed.spots[0].iter().enumerate() {
+            let class = &packed.pages[0].classes[spot.class as usize];
+            let grid = &packed.pages[0].grids[level][spot.class as usize];
             let [x, y] = grid.first_texel(class, level, spot.number);
             let first = Vec2::new(x as f32 + if spot.is_second { TWIN_SHIFT as f32 } else { 0.0 }, y as f32);
             let [n, m] = class.segments(level);
@@ -147,9 +148,9 @@ fn what_goes_on_over_edges_is_one_block() {
     let gradient = |at: Vec2, _: usize| (at.x * 20.0 + at.y * 7.0 + 128.0) as u8;
     let sheet = Sheet::new(canvas, resolutions.clone(), gradient);
     let packed = sheet.packed(true);
-    assert_eq!(packed.page.sizes[0], [17 + 1 - 1, 17]);
-    assert_eq!(packed.page.sizes[2], [5, 5]);
-    assert_eq!((packed.joined_count, packed.shared_count), (16, 0));
+    assert_eq!(packed.pages[0].sizes[0], [17 + 1 - 1, 17]);
+    assert_eq!(packed.pages[0].sizes[2], [5, 5]);
+    assert_eq!((packed.savings.joined_count, packed.savings.shared_count), (16, 0));
     is_unchanged(&sheet, &packed, &Resolutions { faces: resolutions }).unwrap();
 }
 
@@ -163,30 +164,28 @@ fn what_repeats_is_stored_once() {
     let starts = [(0, false), (1, false), (2, false), (3, false)];
     let tiles = Sheet::new(sheet(4, &starts, 0), vec![[2, 2]; 16], tile);
     let packed = tiles.packed(true);
-    assert_eq!((packed.shared_count, packed.page.sizes[0]), (15, [5, 5]));
+    assert_eq!((packed.savings.shared_count, packed.pages[0].sizes[0]), (15, [5, 5]));
     is_unchanged(&tiles, &packed, &Resolutions { faces: vec![[2, 2]; 16] }).unwrap();
-    assert_eq!(tiles.packed(false).shared_count, 0);
+    assert_eq!(tiles.packed(false).savings.shared_count, 0);
 
     let mirrored = |at: Vec2, _: usize| (at.x.abs() * 40.0 + at.y * 9.0 + 60.0) as u8;
     let halves = Sheet::new(sheet(4, &[(0, false)], 0), vec![[2, 1]; 16], mirrored);
     let packed = halves.packed(true);
-    assert_eq!((packed.shared_count, packed.joined_count), (8, 8));
+    assert_eq!((packed.savings.shared_count, packed.savings.joined_count), (8, 8));
     is_unchanged(&halves, &packed, &Resolutions { faces: vec![[2, 1]; 16] }).unwrap();
 }
 
-/// One texel that differs at one level keeps two faces apart.
+/// A texel that differs at one level keeps the two tiles that show it from using the others' block.
 #[test]
 fn every_level_counts() {
-    let tile = |at: Vec2, level: usize| {
-        if level == 2 && at == Vec2::new(0.0, 1.0) {
-            9
-        } else {
-            (at.rem_euclid(Vec2::ONE).length() * 90.0) as u8
-        }
+    let shared = |different_level: usize| {
+        let tile = |at: Vec2, level: usize| {
+            let is_different = level == different_level && at == Vec2::new(0.0, 1.0);
+            if is_different { 9 } else { (at.rem_euclid(Vec2::ONE).length() * 90.0) as u8 }
+        };
+        Sheet::new(sheet(2, &[(0, false)], 0), vec![[2, 2]; 4], tile).packed(true).savings.shared_count
     };
-    let tiles = Sheet::new(sheet(2, &[(0, false)], 0), vec![[2, 2]; 4], tile);
-    let (all, level_2) = (tiles.packed(true), tiles.levels[2].size());
-    assert_eq!(all.shared_count, 2, "{level_2:?}");
+    assert_eq!([shared(usize::MAX), shared(0), shared(2)], [3, 1, 1]);
 }
 
 proptest! {

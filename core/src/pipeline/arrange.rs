@@ -112,7 +112,11 @@ fn lay_out(
         resolutions: &resolutions,
         diagonals: &diagonals(canvas, &material.cuts),
         level_count: level_count(canvas, &resolutions),
-        side_limit: limits.texture_side,
+        side_limit: match options.coordinates {
+            // Not to be split.
+            Coordinates::Scaled => limits.texture_side.min(options.max_side),
+            Coordinates::Indexed => limits.texture_side,
+        },
         coordinates: options.coordinates,
     })?;
     Ok(Arranged { resolutions, layout })

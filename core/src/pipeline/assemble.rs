@@ -2,37 +2,56 @@
 
 use std::sync::Arc;
 
-use crate::asset::Asset;
-use crate::finished::{
-    Anchor, BlockClass, BlockTable, Coordinates, Finished, FinishedPrimitive, FinishedTexture,
-    FinishedTriangle, PrimitiveCuts, TableLevel,
-};
 use glam::Vec2;
 
+use crate::asset::Asset;
+use crate::finished::{
+    Anchor, BlockClass, BlockTable, Coordinates, Finished, FinishedPrimitive, FinishedTriangle,
+    PrimitiveCuts, TableLevel,
+};
 use crate::layout::{Class, ClassGrid, Layout, Page, TWIN_SHIFT};
 use crate::mesh::{CanvasFace, CanvasMesh};
-use crate::pack::Packed;
+use crate::pack::{Packed, Spot};
 
+use super::group::Group;
 use super::material::MaterialConversion;
 
 /// Takes the level images out of the conversions; everything else is read.
-pub fn assemble(asset: &Asset, materials: &mut [MaterialConversion]) -> Finished {
+pub fn assemble(asset: &Asset, conversions: &mut [MaterialConversion], groups: &[Group]) -> Finished {
     let mut finished = Finished::default();
-    for conversion in materials {
-        let first_texture = finished.textures.len();
-        for channel in &mut conversion.channels {
-            finished.textures.push(FinishedTexture {
-                material: conversion.material,
-                slots: channel.slots.clone(),
-                transfer: channel.transfer,
-                levels: std::mem::take(&mut channel.levels),
-                ranges: std::mem::take(&mut channel.ranges),
-            });
+    for group in groups {
+        let textures = Textures {
+            first: finished.textures.len(),
+            part_count: group.part_count(),
+            tables: group
+                .packed
+                .iter()
+                .flat_map(|packed| &packed.pages)
+                .map(|page| Arc::new(table(page)))
+                .collect(),
+        };
+        finished.textures.extend(group.take_textures(conversions));
+        for (number, &member) in group.members.iter().enumerate() {
+            let conversion = &conversions[member];
+            let naming = match &group.packed {
+                None => Naming::Scaled(&conversion.layout),
+                Some(packed) => {
+                    Naming::Indexed { packed, spots: &packed.spots[number], tables: &textures.tables }
+                }
+            };
+            finished.primitives.extend(primitives(asset, conversion, &naming, &textures));
         }
-        finished.primitives.extend(primitives(asset, conversion, first_texture));
     }
-    finished.primitives.sort_by_key(|primitive| (primitive.mesh, primitive.primitive));
+    finished.primitives.sort_by_key(|piece| (piece.mesh, piece.primitive, piece.part));
     finished
+}
+
+/// A group's textures in [`Finished::textures`]: by channel, and of each by part.
+struct Textures {
+    first: usize,
+    part_count: usize,
+    /// By part, with indexed coordinates.
+    tables: Vec<Arc<BlockTable>>,
 }
 
 /// A drawn triangle in the asset's order: its primitive, its face, and which of the face's triangles it is.
@@ -74,53 +93,72 @@ fn drawn_places(canvas: &CanvasMesh) -> Vec<DrawnPlace> {
     places
 }
 
-/// The material's primitives with their triangles in the asset's order.
+/// The material's primitives, part by part, with their triangles in the asset's order.
 fn primitives(
     asset: &Asset,
     conversion: &MaterialConversion,
-    first_texture: usize,
+    naming: &Naming<'_>,
+    textures: &Textures,
 ) -> Vec<FinishedPrimitive> {
-    let canvas = &conversion.canvas;
-    let mut primitives: Vec<FinishedPrimitive> = Vec::new();
-    let naming = Naming::new(conversion);
-    let places = drawn_places(canvas);
-    for places in places.chunk_by(|a, b| a.primitive == b.primitive) {
-        let (mesh, primitive) = (places[0].primitive.0 as usize, places[0].primitive.1 as usize);
-        let mut target = FinishedPrimitive {
-            mesh,
-            primitive,
-            material: conversion.material,
-            coordinates: naming.coordinates(),
-            triangles: Vec::with_capacity(places.len()),
-            frames: Vec::new(),
-            cuts: (0..conversion.channels.len())
-                .map(|channel| PrimitiveCuts { texture: first_texture + channel, bits: Vec::new() })
-                .collect(),
-        };
-        for place in places {
-            let source = &asset.meshes[mesh].primitives[primitive].faces[place.face as usize];
-            let number = place.canvas_face;
-            target.triangles.push(FinishedTriangle {
-                vertices: place.corners.map(|corner| source.corners[corner]),
-                corners: naming.corners(number, place.canvas_corners),
-                anchor: naming.anchor(number),
-            });
-            if let Some(frames) = &conversion.frames {
-                target.frames.push(place.canvas_corners.map(|corner| frames.corners[number][corner]));
-            }
-            let face = &canvas.faces[number];
-            for (cuts, channel) in target.cuts.iter_mut().zip(&conversion.channels) {
-                let is_cut = |k: usize| {
-                    face.edge_between(place.canvas_corners[k], place.canvas_corners[(k + 1) % 3])
-                        .is_some_and(|edge| channel.cuts.edges[edge as usize])
-                };
-                cuts.bits.push((0..3).map(|k| u8::from(is_cut(k)) << k).sum());
-            }
+    let mut places = drawn_places(&conversion.canvas);
+    // Stable: the asset's order inside a part.
+    places.sort_by_key(|place| (place.primitive, naming.part(place.canvas_face)));
+    let key = |place: &DrawnPlace| (place.primitive, naming.part(place.canvas_face));
+    let pieces = places.chunk_by(|a, b| key(a) == key(b));
+    pieces.map(|places| primitive(asset, conversion, naming, textures, places)).collect()
+}
+
+/// The triangles of one primitive in one part.
+fn primitive(
+    asset: &Asset,
+    conversion: &MaterialConversion,
+    naming: &Naming<'_>,
+    textures: &Textures,
+    places: &[DrawnPlace],
+) -> FinishedPrimitive {
+    let (mesh, primitive) = (places[0].primitive.0 as usize, places[0].primitive.1 as usize);
+    let part = naming.part(places[0].canvas_face);
+    let texture = |channel: usize| textures.first + channel * textures.part_count + part;
+    let mut target = FinishedPrimitive {
+        mesh,
+        primitive,
+        material: conversion.material,
+        part,
+        coordinates: naming.coordinates(part),
+        triangles: Vec::with_capacity(places.len()),
+        frames: Vec::new(),
+        cuts: (0..conversion.channels.len())
+            .map(|channel| PrimitiveCuts { texture: texture(channel), bits: Vec::new() })
+            .collect(),
+    };
+    for place in places {
+        let source = &asset.meshes[mesh].primitives[primitive].faces[place.face as usize];
+        let number = place.canvas_face;
+        target.triangles.push(FinishedTriangle {
+            vertices: place.corners.map(|corner| source.corners[corner]),
+            corners: naming.corners(number, place.canvas_corners),
+            anchor: naming.anchor(number),
+        });
+        if let Some(frames) = &conversion.frames {
+            target.frames.push(place.canvas_corners.map(|corner| frames.corners[number][corner]));
         }
-        target.cuts.retain(|cuts| cuts.bits.iter().any(|&bits| bits != 0));
-        primitives.push(target);
+        let face = &conversion.canvas.faces[number];
+        for (cuts, channel) in target.cuts.iter_mut().zip(&conversion.channels) {
+            let is_cut = |k: usize| {
+                face.edge_between(place.canvas_corners[k], place.canvas_corners[(k + 1) % 3])
+                    .is_some_and(|edge| channel.cuts.edges[edge as usize])
+            };
+            cuts.bits.push((0..3).map(|k| u8::from(is_cut(k)) << k).sum());
+        }
     }
-    primitives
+    target.cuts.retain(|cuts| cuts.bits.iter().any(|&bits| bits != 0));
+    target
+}
+
+/// A class of a page in its table. Those of lone triangles come last.
+fn in_table(page: &Page, class: u32) -> u32 {
+    let lone_first = page.classes.partition_point(|class| !class.is_lone) as u32;
+    class + class.saturating_sub(lone_first)
 }
 
 /// The table that finds blocks by their numbers. A class of lone triangles is two of the table's: the second for the
@@ -156,29 +194,26 @@ fn table(page: &Page) -> BlockTable {
 enum Naming<'a> {
     Scaled(&'a Layout),
     Indexed {
-        table: Arc<BlockTable>,
         packed: &'a Packed,
-        /// By class of the page the first of the table's.
-        in_table: Vec<u32>,
+        /// By face.
+        spots: &'a [Spot],
+        /// By part.
+        tables: &'a [Arc<BlockTable>],
     },
 }
 
-impl<'a> Naming<'a> {
-    fn new(conversion: &'a MaterialConversion) -> Self {
-        let Some(packed) = &conversion.packed else { return Self::Scaled(&conversion.layout) };
-        let mut next = 0;
-        let in_table = packed.page.classes.iter().map(|class| {
-            let first = next;
-            next += 1 + u32::from(class.is_lone);
-            first
-        });
-        Self::Indexed { in_table: in_table.collect(), table: Arc::new(table(&packed.page)), packed }
+impl Naming<'_> {
+    fn part(&self, face: usize) -> usize {
+        match self {
+            Self::Scaled(_) => 0,
+            Self::Indexed { spots, .. } => spots[face].part as usize,
+        }
     }
 
-    fn coordinates(&self) -> Coordinates {
+    fn coordinates(&self, part: usize) -> Coordinates {
         match self {
             Self::Scaled(_) => Coordinates::Scaled,
-            Self::Indexed { table, .. } => Coordinates::Indexed(table.clone()),
+            Self::Indexed { tables, .. } => Coordinates::Indexed(tables[part].clone()),
         }
     }
 
@@ -186,8 +221,8 @@ impl<'a> Naming<'a> {
     fn corners(&self, face: usize, corners: [usize; 3]) -> [Vec2; 3] {
         corners.map(|corner| match self {
             Self::Scaled(layout) => layout.corner(face, corner),
-            Self::Indexed { packed, .. } => {
-                let [x, y] = packed.spots[face].corners[corner];
+            Self::Indexed { spots, .. } => {
+                let [x, y] = spots[face].corners[corner];
                 Vec2::new(x as f32, y as f32)
             }
         })
@@ -196,10 +231,10 @@ impl<'a> Naming<'a> {
     fn anchor(&self, face: usize) -> Anchor {
         match self {
             Self::Scaled(layout) => Anchor::Offset(layout.offset(face)),
-            Self::Indexed { packed, in_table, .. } => {
-                let spot = &packed.spots[face];
-                let class = in_table[spot.class as usize] + u32::from(spot.is_second);
-                Anchor::Block { class, number: spot.number }
+            Self::Indexed { packed, spots, .. } => {
+                let spot = &spots[face];
+                let class = in_table(&packed.pages[spot.part as usize], spot.class);
+                Anchor::Block { class: class + u32::from(spot.is_second), number: spot.number }
             }
         }
     }

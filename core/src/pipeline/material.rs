@@ -4,9 +4,8 @@ use crate::asset::{AlphaMode, Asset};
 use crate::assign::{NormalFrames, choose_frames};
 use crate::colors::{ChannelTopology, LevelNumbering, Resolutions};
 use crate::error::Result;
-use crate::layout::{Coordinates, Layout};
+use crate::layout::Layout;
 use crate::mesh::CanvasMesh;
-use crate::pack::{Packed, Painted, pack};
 use crate::resample::sample;
 use crate::source::SourceChannel;
 use crate::watch::{Stage, Watch};
@@ -24,8 +23,6 @@ pub struct MaterialConversion {
     pub resolutions: Resolutions,
     /// With which everything was painted.
     pub layout: Layout,
-    /// With indexed coordinates: where everything is at last.
-    pub packed: Option<Packed>,
     /// Of a material with a normal map.
     pub frames: Option<NormalFrames>,
     pub channels: Vec<FinishedChannel>,
@@ -73,16 +70,7 @@ pub fn convert_material(
         progress.advance(1.0 / sources.len() as f32);
     }
     drop(sources);
-    let packed = (options.coordinates == Coordinates::Indexed).then(|| {
-        let images = finished.iter().map(|channel| &channel.levels[..]).collect();
-        pack(&Painted { canvas: &canvas, layout: &layout, images }, true, 16384)
-    });
-    if let Some(packed) = &packed {
-        for channel in &mut finished {
-            channel.levels = packed.images(&layout, &channel.levels);
-        }
-    }
-    Ok(MaterialConversion { material, canvas, resolutions, layout, packed, frames, channels: finished })
+    Ok(MaterialConversion { material, canvas, resolutions, layout, frames, channels: finished })
 }
 
 fn mask_cutoff(asset: &Asset, channel: &SourceChannel<'_>) -> Option<f32> {

@@ -6,6 +6,7 @@ mod bare_normals;
 mod changes;
 mod channel;
 mod compression;
+mod group;
 mod material;
 pub mod options;
 mod prepare;
@@ -35,6 +36,7 @@ use crate::write::{self, BundleFile};
 
 use arrange::arrange_all;
 use assemble::assemble;
+use group::groups;
 use material::{MaterialConversion, convert_material};
 use prepare::prepare;
 use progress::Progress;
@@ -104,9 +106,11 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     progress.part(1.0);
     progress.advance(READ_SHARE);
     let mut materials = convert_materials(asset, options, limits, watch, &mut progress)?;
-    let finished = assemble(asset, &mut materials);
+    watch.stage(Stage::Layout);
+    let groups = groups(&materials, options)?;
+    let finished = assemble(asset, &mut materials, &groups);
     watch.stage(Stage::Measure);
-    let extras = report::extras(&materials);
+    let extras = report::extras(&materials, &groups);
     let measured = measure::converted(asset, &finished, &extras, watch)?;
     progress.part(1.0);
     progress.advance(MEASURE_SHARE);
@@ -117,7 +121,7 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     let loose = write::textures::files(&source, &options.textures, watch)?;
     let glb = write::glb_of(asset, &finished, pngs, watch)?;
     let focus = measured.focus;
-    let converted = report::Converted { asset, finished: &finished, materials: &materials };
+    let converted = report::Converted { asset, finished: &finished, materials: &materials, groups: &groups };
     let mut report = report::of_conversion(&converted, measured, options, &glb);
     report.compression = blocks.map(|blocks| blocks.reports).unwrap_or_default();
     let mut files = vec![

@@ -19,8 +19,8 @@ use crate::solve::Solver;
 use crate::write::textures::{BlockFormat, TextureFormat};
 
 use table::{
-    BEYONDS, BLOCKS, COORDINATES, MIP_FILTERS, QUALITIES, RANGES, ROUNDINGS, SAMPLINGS, SOLVERS, TEXELS_MAX,
-    TEXTURES,
+    BEYONDS, BLOCKS, COORDINATES, MAX_SIDE_LEAST, MAX_SIDE_MOST, MIP_FILTERS, QUALITIES, RANGES, ROUNDINGS,
+    SAMPLINGS, SOLVERS, SWITCH, TEXELS_MAX, TEXTURES,
 };
 pub use table::{OPTIONS, OptionSpec};
 use text::{NONE, in_range, list, name_of, named, optional, parse_list};
@@ -41,6 +41,12 @@ pub struct Options {
     pub range: Range,
     pub rounding: Rounding,
     pub coordinates: Coordinates,
+    /// Whether faces that store the same use one block.
+    pub shares: bool,
+    /// Whether materials that have the same kinds of channels get one layout.
+    pub merges: bool,
+    /// Largest side of a texture; what needs more becomes several.
+    pub max_side: u32,
     /// Edges whose two sides differ by more than this many codes are kept as cuts.
     pub cut_codes: f32,
     /// What the levels come along as, beside `asset.glb`.
@@ -78,6 +84,9 @@ impl Options {
             range: Range::Float16,
             rounding: Rounding::Rules,
             coordinates: Coordinates::Indexed,
+            shares: true,
+            merges: false,
+            max_side: 8192,
             cut_codes: 8.0,
             textures: BTreeSet::new(),
             compress: BTreeSet::new(),
@@ -93,8 +102,19 @@ impl Options {
 
     /// Sets every rung to those of a preset.
     fn set_quality(&mut self, quality: Quality) {
-        let Self { cut_codes, max_error, texels, textures, compress, .. } = self.clone();
-        *self = Self { cut_codes, max_error, texels, textures, compress, ..Self::of(quality) };
+        let Self { max_error, texels, shares, merges, max_side, cut_codes, textures, compress, .. } =
+            self.clone();
+        *self = Self {
+            max_error,
+            texels,
+            shares,
+            merges,
+            max_side,
+            cut_codes,
+            textures,
+            compress,
+            ..Self::of(quality)
+        };
     }
 
     /// Sets one option from its text form. `quality` sets all rungs, so it comes before them.
@@ -120,6 +140,12 @@ impl Options {
             "range" => self.range = named(RANGES, value).ok_or_else(refuse)?,
             "rounding" => self.rounding = named(ROUNDINGS, value).ok_or_else(refuse)?,
             "coordinates" => self.coordinates = named(COORDINATES, value).ok_or_else(refuse)?,
+            "no-share" => self.shares = !named(SWITCH, value).ok_or_else(refuse)?,
+            "merge" => self.merges = named(SWITCH, value).ok_or_else(refuse)?,
+            "max-size" => {
+                let side = value.parse().ok().filter(|side| (MAX_SIDE_LEAST..=MAX_SIDE_MOST).contains(side));
+                self.max_side = side.ok_or_else(refuse)?;
+            }
             "cut" => {
                 self.cut_codes = in_range(value, 0.0, 255.0).ok_or_else(refuse)?;
             }
@@ -139,7 +165,8 @@ impl Options {
         Ok(())
     }
 
-    /// Options from a JSON object of names and values (strings, or numbers where the text form is one).
+    /// Options from a JSON object of names and values (strings, or numbers and booleans where the text form
+    /// is one).
     pub fn from_json(object: &Map<String, Value>) -> Result<Self> {
         let mut options = Self::default();
         let is_quality = |(name, _): &(&String, &Value)| *name == "quality";
@@ -148,6 +175,7 @@ impl Options {
             match value {
                 Value::String(text) => options.set(name, text)?,
                 Value::Number(number) => options.set(name, &number.to_string())?,
+                Value::Bool(is_on) => options.set(name, name_of(SWITCH, *is_on))?,
                 other => return Err(refused(name, &other.to_string())),
             }
         }
@@ -160,6 +188,11 @@ impl Options {
     /// # Errors
     /// `InvalidOptions`, naming the option that cannot be met.
     pub fn check(&self) -> Result<()> {
+        if self.merges && self.coordinates == Coordinates::Scaled {
+            let detail = "merge = \"true\" needs coordinates = \"indexed\": with 4D coordinates texels depend on where a \
+                          block stands; leave one of the two out";
+            return Err(Error::new(ErrorCode::InvalidOptions, detail).at("/merge"));
+        }
         if self.compress.is_empty() || self.textures.contains(&TextureFormat::Ktx2) {
             return Ok(());
         }
@@ -194,6 +227,9 @@ impl Options {
             name_of(RANGES, self.range).into(),
             name_of(ROUNDINGS, self.rounding).into(),
             name_of(COORDINATES, self.coordinates).into(),
+            (!self.shares).into(),
+            self.merges.into(),
+            self.max_side.into(),
             f64::from(self.cut_codes).into(),
             list(TEXTURES, &self.textures).into(),
             list(BLOCKS, &self.compress).into(),

@@ -6,13 +6,16 @@ use crate::error::{Error, Result, Warning};
 use crate::finished::Finished;
 use crate::layout::BlockKind;
 use crate::measure::{
-    self, ChannelReport, Effect, EffectState, Extras, Growth, LayoutReport, Measured, Report, SolverReport,
-    SubjectKind, judge,
+    self, ChannelExtras, ChannelReport, Effect, EffectState, Extras, Growth, LayoutReport, Measured, Report,
+    SampleCounts, SavingsReport, SolverReport, SubjectKind, judge,
 };
+use crate::pack::Savings;
 use crate::solve::Solver;
 use crate::write;
 
 use super::ENGINE_VERSION;
+use super::channel::FinishedChannel;
+use super::group::Group;
 use super::material::MaterialConversion;
 use super::options::Options;
 
@@ -21,22 +24,35 @@ pub struct Converted<'a> {
     pub asset: &'a Asset,
     pub finished: &'a Finished,
     pub materials: &'a [MaterialConversion],
+    pub groups: &'a [Group],
 }
 
 /// What only the conversion knows and the measures pass on.
-pub fn extras(materials: &[MaterialConversion]) -> Extras {
-    let counts = |conversion: &MaterialConversion| {
-        // All channels share the layout; the one with most cuts has most samples.
-        let levels = 0..conversion.layout.level_count();
-        let most = levels.map(|level| {
-            conversion.channels.iter().map(|channel| channel.sample_counts[level]).max().unwrap_or(0)
-        });
-        (conversion.material, most.collect())
+pub fn extras(materials: &[MaterialConversion], groups: &[Group]) -> Extras {
+    // All channels share the layout; the one with most cuts has most samples.
+    let most = |conversion: &MaterialConversion, level: usize| {
+        conversion.channels.iter().filter_map(|channel| channel.sample_counts.get(level)).max().copied()
+    };
+    // Which samples stand in which of several parts is not counted.
+    let counts = groups.iter().filter(|group| group.part_count() == 1).map(|group| {
+        let members = || group.members.iter().map(|&member| &materials[member]);
+        let level_count = members().map(|conversion| conversion.layout.level_count()).max().unwrap_or(0);
+        let of_level = |level: usize| members().filter_map(|conversion| most(conversion, level)).sum();
+        let material = materials[group.members[0]].material;
+        SampleCounts { material, part: 0, levels: (0..level_count).map(of_level).collect() }
+    });
+    let channels = |conversion: &MaterialConversion| {
+        let extras = |channel: &FinishedChannel| ChannelExtras {
+            material: conversion.material,
+            slots: channel.slots.clone(),
+            solver: channel.solver.clone(),
+            stored: channel.stored.clone(),
+        };
+        conversion.channels.iter().map(extras).collect::<Vec<_>>()
     };
     Extras {
-        sample_counts: materials.iter().map(counts).collect(),
-        solver: materials.iter().flat_map(|m| &m.channels).map(|channel| channel.solver.clone()).collect(),
-        stored: materials.iter().flat_map(|m| &m.channels).map(|channel| channel.stored.clone()).collect(),
+        sample_counts: counts.collect(),
+        channels: materials.iter().flat_map(channels).collect(),
         ..Extras::default()
     }
 }
@@ -47,16 +63,26 @@ pub fn of_conversion(
     options: &Options,
     glb: &write::Glb,
 ) -> Report {
-    let Converted { asset, finished, materials } = *converted;
+    let Converted { asset, finished, materials, groups } = *converted;
     let mut report = of_check(asset, SubjectKind::Converted, Some(finished), measured, options);
     report.growth.converted_bytes = glb.bytes.len() as u64;
     report.growth.converted_vertices = glb.vertex_count;
     report.warnings.extend(write::losses(asset, finished));
     report.warnings.extend(report.channels.iter().filter_map(unsolved));
     report.warnings.extend(materials.iter().flat_map(unfitted));
+    let parts = finished.parts();
     for layout in &mut report.layouts {
-        if let Some(conversion) = materials.iter().find(|m| m.material == layout.material) {
+        let parts = parts.get(&layout.material);
+        let is_whole = layout.materials.is_empty() && parts.is_some_and(|parts| parts.len() == 1);
+        if let Some(conversion) = materials.iter().find(|m| is_whole && m.material == layout.material) {
             describe_layout(layout, conversion);
+        }
+    }
+    for group in groups {
+        let material = materials[group.members[0]].material;
+        let layout = report.layouts.iter_mut().find(|layout| layout.material == material && layout.part == 0);
+        if let Some((layout, packed)) = layout.zip(group.packed.as_ref()) {
+            layout.savings = Some(savings(&packed.savings));
         }
     }
     report.effects = effects(materials, options);
@@ -140,6 +166,17 @@ fn source_bytes(asset: &Asset) -> u64 {
     };
     let outside = document.encoded_images.iter().enumerate().filter(|(number, _)| !stands_inside(*number));
     (buffers + outside.map(|(_, image)| image.bytes.len()).sum::<usize>()) as u64
+}
+
+fn savings(savings: &Savings) -> SavingsReport {
+    SavingsReport {
+        shared_face_count: savings.shared_count,
+        shared_texels: savings.shared_texels[0],
+        shared_texels_all_levels: savings.shared_texels[1],
+        joined_face_count: savings.joined_count,
+        joined_texels: savings.joined_texels[0],
+        joined_texels_all_levels: savings.joined_texels[1],
+    }
 }
 
 fn describe_layout(report: &mut LayoutReport, conversion: &MaterialConversion) {

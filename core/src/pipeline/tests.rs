@@ -78,7 +78,8 @@ pub(super) fn finish(asset: &Asset, options: &Options) -> (Finished, Vec<Materia
     let mut progress = Progress::new(&Unwatched);
     let mut materials =
         convert_materials(asset, options, &Limits::default(), &Unwatched, &mut progress).unwrap();
-    (assemble(asset, &mut materials), materials)
+    let groups = groups(&materials, options).unwrap();
+    (assemble(asset, &mut materials, &groups), materials)
 }
 
 /// Both sides of every uncut edge, sampled as a GPU does: the largest difference in codes by level.

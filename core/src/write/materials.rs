@@ -53,16 +53,20 @@ impl Materials {
             }));
         }
         for (texture, levels) in finished.textures.iter().zip(encoded) {
-            if texture.material >= asset.materials.len() || texture.slots.is_empty() {
+            let Some(&material) = texture.materials.first().filter(|&&own| own < asset.materials.len())
+            else {
+                return Err(Error::internal("a converted texture has no material"));
+            };
+            if texture.slots.is_empty() {
                 return Err(Error::internal("a converted texture has no place in the asset's materials"));
             }
             let size = texture.levels.first().map(|level| Vec2::new(level.width as f32, level.height as f32));
             let size = size.ok_or_else(|| Error::internal("a converted texture has no levels"))?;
-            add_texture(draft, texture, levels, sampler);
+            add_texture(draft, (material, texture), levels, sampler);
             let blank = Converted { size, sets: Vec::new(), keeps_tangents: false };
-            if this.converted.entry(texture.material).or_insert(blank).size != size {
+            if this.converted.entry(material).or_insert(blank).size != size {
                 return Err(Error::internal("the textures of one material differ in size")
-                    .at(format!("/materials/{}", texture.material)));
+                    .at(format!("/materials/{material}")));
             }
         }
         this.settle_sets(draft, finished, first_new);
@@ -150,13 +154,18 @@ fn move_sets(material: &mut Value, sets: &[usize], first_new: usize) {
     });
 }
 
-fn add_texture(draft: &mut Draft<'_>, texture: &FinishedTexture, levels: Vec<Vec<u8>>, sampler: usize) {
+fn add_texture(
+    draft: &mut Draft<'_>,
+    (material_number, texture): (usize, &FinishedTexture),
+    levels: Vec<Vec<u8>>,
+    sampler: usize,
+) {
     let number = draft.textures.len();
     let channel = texture.slots[0].gltf_name().trim_end_matches("Texture");
-    let material = object(at(&mut draft.materials, texture.material));
+    let material = object(at(&mut draft.materials, material_number));
     let name = match material.get("name").and_then(Value::as_str).filter(|name| !name.is_empty()) {
         Some(name) => format!("{name} {channel}"),
-        None => format!("material {} {channel}", texture.material),
+        None => format!("material {material_number} {channel}"),
     };
     let mut source_name = None;
     for slot in &texture.slots {

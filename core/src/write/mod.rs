@@ -82,7 +82,7 @@ pub fn glb_of(asset: &Asset, finished: &Finished, pngs: Pngs, watch: &dyn Watch)
     let mut draft = Draft::open(&asset.document)?;
     images::embed_files(&mut draft, asset);
     // Ours, not the file's.
-    finished.check_coordinates().map_err(|error| Error { code: ErrorCode::Internal, ..error })?;
+    finished.check().map_err(|error| Error { code: ErrorCode::Internal, ..error })?;
     let converted = converted_primitives(asset, finished)?;
     let mut materials = Materials::convert(&mut draft, asset, finished, pngs)?;
     let mut vertex_count = 0;

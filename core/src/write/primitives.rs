@@ -218,7 +218,7 @@ impl Target<'_> {
         for cut in piece.cuts.iter().filter(|cut| cut.bits.iter().any(|bits| *bits != 0)) {
             let texture = self.finished.textures.get(cut.texture);
             let texture = texture.filter(|texture| {
-                texture.material == piece.material && cut.bits.len() == piece.triangles.len()
+                texture.is_of(piece.material, piece.part) && cut.bits.len() == piece.triangles.len()
             });
             let texture = texture.ok_or_else(|| {
                 Error::internal("cuts do not fit their primitive's material and triangles").at(self.place())

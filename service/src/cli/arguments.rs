@@ -15,7 +15,11 @@ pub struct ConversionFlags(pub Options);
 impl Args for ConversionFlags {
     fn augment_args(command: Command) -> Command {
         command.args(OPTIONS.iter().map(|spec| {
-            Arg::new(spec.name)
+            let argument = Arg::new(spec.name);
+            let switch =
+                |argument: Arg| argument.num_args(0..=1).require_equals(true).default_missing_value("true");
+            let argument = if spec.is_switch() { switch(argument) } else { argument };
+            argument
                 .long(spec.name)
                 .env(variable(spec.name))
                 .value_name(spec.value_name)
@@ -88,6 +92,8 @@ mod tests {
         assert_eq!(read(&[]).unwrap(), Options::default());
         let options = read(&["--cut", "3", "--solver=clamp"]).unwrap();
         assert_eq!(options.cut_codes, 3.0);
+        assert!(read(&["--merge", "--cut", "3"]).unwrap().merges);
+        assert!(!read(&["--no-share=false"]).unwrap().merges);
         assert!(read(&["--cut", "many"]).unwrap_err().to_string().contains("0..=255"));
         assert!(read(&["--compress", "bc7"]).unwrap_err().to_string().contains("add ktx2"));
     }

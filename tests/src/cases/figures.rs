@@ -81,7 +81,7 @@ fn channel(report: &ChannelReport, texture: &FinishedTexture, finished: &Finishe
 /// The 8-bit codes that the first triangle shows at its corners at level 0.
 fn corners(texture: &FinishedTexture, finished: &Finished) -> Vec<Vec<u32>> {
     let clamp = Wrap { s: WrapMode::ClampToEdge, t: WrapMode::ClampToEdge };
-    let piece = finished.primitives.iter().find(|piece| piece.material == texture.material);
+    let piece = finished.primitives.iter().find(|piece| texture.is_of(piece.material, piece.part));
     let piece = piece.expect("a converted material has triangles");
     let image = &texture.levels[0];
     let shown = |corner: usize| {

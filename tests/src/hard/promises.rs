@@ -93,7 +93,8 @@ fn check_finite(at: &str, outcome: &Outcome) {
 /// Every corner lies inside of its image, half a texel from the border at least.
 fn check_places(at: &str, finished: &Finished) {
     for piece in &finished.primitives {
-        let Some(texture) = finished.textures.iter().find(|texture| texture.material == piece.material)
+        let Some(texture) =
+            finished.textures.iter().find(|texture| texture.is_of(piece.material, piece.part))
         else {
             panic!("{at}: a primitive without a texture")
         };
@@ -151,7 +152,7 @@ fn check_hull(at: &str, outcome: &Outcome) {
 }
 
 fn source_image<'a>(asset: &'a Asset, texture: &FinishedTexture) -> &'a Image {
-    let slot = asset.materials[texture.material].slot(texture.slots[0]);
+    let slot = asset.materials[texture.materials[0]].slot(texture.slots[0]);
     &asset.images[slot.map_or(0, |slot| slot.image)]
 }
 
@@ -170,7 +171,7 @@ fn each_look(finished: &Finished, texture: &FinishedTexture, mut look: impl FnMu
     let triangles: Vec<(&FinishedPrimitive, usize)> = finished
         .primitives
         .iter()
-        .filter(|piece| piece.material == texture.material)
+        .filter(|piece| texture.is_of(piece.material, piece.part))
         .flat_map(|piece| (0..piece.triangles.len()).map(move |triangle| (piece, triangle)))
         .collect();
     for level in 0..texture.levels.len() {

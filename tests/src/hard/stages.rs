@@ -139,7 +139,8 @@ impl Stages<'_> {
             ];
         levels.push(image);
         let texture = FinishedTexture {
-            material: 0,
+            materials: vec![0],
+            part: 0,
             slots: vec![Slot::BaseColor],
             transfer: self.transfer,
             ranges: Default::default(),
@@ -149,6 +150,7 @@ impl Stages<'_> {
             mesh: 0,
             primitive: 0,
             material: 0,
+            part: 0,
             coordinates: Coordinates::Scaled,
             triangles,
             frames: vec![],

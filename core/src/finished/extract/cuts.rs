@@ -6,6 +6,7 @@ use crate::asset::Slot;
 use crate::error::Result;
 use crate::finished::{FinishedTexture, PrimitiveCuts};
 
+use super::parts::PartOf;
 use super::{EXTENSION, Place};
 
 const UNSIGNED_BYTE: u64 = 5121;
@@ -15,7 +16,7 @@ const EDGE_BITS: u8 = 0b111;
 /// The cuts of all textures that have any here, in the order of the textures.
 pub fn of(
     place: &Place<'_>,
-    material: usize,
+    PartOf { material, part }: PartOf,
     textures: &[FinishedTexture],
     triangle_count: usize,
 ) -> Result<Vec<PrimitiveCuts>> {
@@ -26,7 +27,7 @@ pub fn of(
         .unwrap_or_default();
     let below = |name: &str| format!("/extensions/{EXTENSION}/cuts/{name}");
     let mut cuts: Vec<PrimitiveCuts> = Vec::new();
-    for (texture, channel) in textures.iter().enumerate().filter(|(_, own)| own.material == material) {
+    for (texture, channel) in textures.iter().enumerate().filter(|(_, own)| own.is_of(material, part)) {
         let mut shared: Option<Vec<u8>> = None;
         for slot in &channel.slots {
             let bits = match named.get(slot.gltf_name()) {
@@ -46,7 +47,7 @@ pub fn of(
     }
     let converted = |name: &str| {
         textures.iter().any(|texture| {
-            texture.material == material && texture.slots.iter().any(|slot: &Slot| slot.gltf_name() == name)
+            texture.is_of(material, part) && texture.slots.iter().any(|slot: &Slot| slot.gltf_name() == name)
         })
     };
     match named.keys().find(|name| !converted(name)) {

@@ -1,6 +1,7 @@
 //! Converted textures by material: which slots read them, and their level images.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use serde_json::Value;
 
@@ -9,52 +10,69 @@ use crate::error::{Error, Result};
 use crate::finished::FinishedTexture;
 use crate::image::{Image, LevelRange, Transfer};
 
+use super::parts::PartOf;
 use super::{EXTENSION, ranges};
 
 /// More levels than any image size can have.
 const LEVEL_COUNT_MAX: usize = 32;
 
-/// All converted textures, in order of material, then of the first slot that reads them.
-pub fn of(asset: &Asset) -> Result<Vec<FinishedTexture>> {
+/// All converted textures, in order of their first material, its part, then of the first slot that reads them.
+/// `places` are the parts that glTF materials are. A texture of several materials is one where the same slots read it.
+pub fn of(asset: &Asset, places: &[PartOf]) -> Result<Vec<FinishedTexture>> {
+    let json = &asset.document.json;
+    let mut order: Vec<(PartOf, usize)> = places.iter().copied().zip(0..).collect();
+    order.sort_unstable();
     let mut all: Vec<FinishedTexture> = Vec::new();
-    for material in 0..asset.materials.len() {
-        let first = all.len();
-        // The glTF texture that each of `all[first..]` came from.
-        let mut numbers: Vec<u64> = Vec::new();
-        for slot in Slot::ALL {
-            let Some(number) = texture_number(&asset.document.json, material, slot) else { continue };
-            let Some(extension) = extension_json(&asset.document.json, number) else { continue };
-            match numbers.iter().position(|known| *known == number) {
-                Some(known) => all[first + known].add_slot(slot, material)?,
-                None => {
-                    numbers.push(number);
-                    let levels = levels_of(asset, number, extension)?;
-                    let place = format!("/textures/{number}/extensions/{EXTENSION}/ranges");
-                    let ranges = ranges::of(extension.get("ranges"), &levels, &place)?;
-                    check_codes(&levels, &ranges, number)?;
-                    let transfer = transfer_of(slot);
-                    all.push(FinishedTexture { material, slots: vec![slot], transfer, levels, ranges });
+    // By glTF texture, part and slots: which of `all` it is.
+    let mut known: BTreeMap<(u64, usize, Vec<Slot>), usize> = BTreeMap::new();
+    for (PartOf { material, part }, number) in order {
+        for (texture, slots) in read_by(json, number)? {
+            match known.entry((texture, part, slots)) {
+                Entry::Occupied(entry) => all[*entry.get()].materials.push(material),
+                Entry::Vacant(entry) => {
+                    let (_, _, slots) = entry.key();
+                    all.push(converted(asset, texture, PartOf { material, part }, slots.clone())?);
+                    entry.insert(all.len() - 1);
                 }
             }
         }
-        check_sizes(&all[first..], material)?;
     }
     Ok(all)
 }
 
-impl FinishedTexture {
-    fn add_slot(&mut self, slot: Slot, material: usize) -> Result<()> {
-        if self.transfer != transfer_of(slot) {
-            let rule = "one converted texture is read as color and as data: each needs a texture of its own";
-            return Err(Error::invalid(rule).at(format!("/materials/{material}")));
+/// The converted textures of a glTF material, each with the slots that read it, in order of the first of them.
+fn read_by(json: &Value, material: usize) -> Result<Vec<(u64, Vec<Slot>)>> {
+    let mut textures: Vec<(u64, Vec<Slot>)> = Vec::new();
+    for slot in Slot::ALL {
+        let Some(number) = texture_number(json, material, slot) else { continue };
+        if extension_json(json, number).is_none() {
+            continue;
         }
-        self.slots.push(slot);
-        Ok(())
+        match textures.iter_mut().find(|(known, _)| *known == number) {
+            None => textures.push((number, vec![slot])),
+            Some((_, slots)) if slots.iter().all(|known| known.is_color() == slot.is_color()) => {
+                slots.push(slot);
+            }
+            Some(_) => {
+                let rule =
+                    "one converted texture is read as color and as data: each needs a texture of its own";
+                return Err(Error::invalid(rule).at(format!("/materials/{material}")));
+            }
+        }
     }
+    Ok(textures)
 }
 
-fn transfer_of(slot: Slot) -> Transfer {
-    if slot.is_color() { Transfer::Srgb } else { Transfer::Linear }
+fn converted(asset: &Asset, number: u64, place: PartOf, slots: Vec<Slot>) -> Result<FinishedTexture> {
+    let extension = extension_json(&asset.document.json, number).unwrap_or(&Value::Null);
+    let levels = levels_of(asset, number, extension)?;
+    let below = format!("/textures/{number}/extensions/{EXTENSION}/ranges");
+    let ranges = ranges::of(extension.get("ranges"), &levels, &below)?;
+    check_codes(&levels, &ranges, number)?;
+    let is_color = slots.iter().any(|slot| slot.is_color());
+    let transfer = if is_color { Transfer::Srgb } else { Transfer::Linear };
+    let PartOf { material, part } = place;
+    Ok(FinishedTexture { materials: vec![material], part, slots, transfer, levels, ranges })
 }
 
 fn texture_number(json: &Value, material: usize, slot: Slot) -> Option<u64> {
@@ -124,18 +142,4 @@ fn check_codes(levels: &[Image], ranges: &BTreeMap<usize, LevelRange>, number: u
 /// Whether `read` decoded the image: one that it left out has no texels.
 fn is_decoded(image: &Image) -> bool {
     image.width > 0 && image.height > 0
-}
-
-fn check_sizes(textures: &[FinishedTexture], material: usize) -> Result<()> {
-    let sizes = |texture: &FinishedTexture| texture.levels.iter().map(Image::size).collect::<Vec<_>>();
-    let Some((first, others)) = textures.split_first() else { return Ok(()) };
-    match others.iter().find(|other| sizes(other) != sizes(first)) {
-        Some(other) => Err(Error::invalid(format!(
-            "{} and {} have to have the same sizes at every level, because they share coordinates",
-            first.slots[0].gltf_name(),
-            other.slots[0].gltf_name()
-        ))
-        .at(format!("/materials/{material}"))),
-        None => Ok(()),
-    }
 }

@@ -9,8 +9,14 @@ fn measured(asset: &Asset, value: impl Fn(Vec3) -> [u8; 3], extent: Extent) -> F
     let conversion = finished(Slot::Occlusion, value);
     let surface = surface_of(asset, &conversion);
     let origin = Origin::new(asset, &surface, Slot::Occlusion).unwrap().unwrap();
-    let converted = Converted { surface: &surface, texture: &conversion.textures[0], meaning: Meaning::Data };
-    fidelity(&origin, &converted, &scatter(&surface, 4096), extent).unwrap()
+    let converted = Converted::new(&surface, vec![&conversion.textures[0]], Meaning::Data).unwrap();
+    fidelity(
+        &origin,
+        &converted,
+        &scatter(&surface, 4096),
+        (extent, conversion.textures[0].levels[0].texel_count()),
+    )
+    .unwrap()
 }
 
 #[test]

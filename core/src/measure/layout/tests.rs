@@ -10,7 +10,7 @@ fn lone_triangles_use_half_a_block_and_their_border() {
     let asset = square(Slot::Occlusion, image([4, 4], |_, _| [0; 3]));
     let conversion = finished(Slot::Occlusion, |_| [0; 3]);
     let surface = surface_of(&asset, &conversion);
-    let report = report(&asset, &conversion, &surface, None);
+    let [report] = &reports(&asset, &conversion, tallies(&surface).unwrap(), &[])[..] else { panic!() };
     // 15 samples and 4 border texels, twice, of 50; 6 and 2 of 18; 3 and 1 of 8.
     let waste: Vec<f64> = report.levels.iter().map(|level| level.waste).collect();
     assert_eq!(waste, vec![1.0 - 38.0 / 50.0, 1.0 - 16.0 / 18.0, 0.0]);
@@ -27,7 +27,7 @@ fn a_merged_pair_is_told_by_its_texels() {
     second.corners = [Vec2::splat(4.0), first.corners[2], first.corners[1]];
     second.anchor = first.anchor;
     let surface = surface_of(&asset, &conversion);
-    let report = report(&asset, &conversion, &surface, None);
+    let [report] = &reports(&asset, &conversion, tallies(&surface).unwrap(), &[])[..] else { panic!() };
     assert_eq!((report.merged_pair_count, report.lone_triangle_count, report.quad_count), (1, 0, 0));
     assert_eq!(report.levels[0].waste, 1.0 - 25.0 / 50.0);
 }

@@ -31,11 +31,11 @@ fn triangles_that_read_the_same_texels_have_no_jump() {
     twins.primitives[0].triangles[1].corners.swap(1, 2);
     twins.primitives[0].triangles[1].anchor = first.anchor;
     let surface = surface_of(&asset, &twins);
-    let converted = Converted { surface: &surface, texture: &twins.textures[0], meaning: Meaning::Data };
+    let converted = Converted::new(&surface, vec![&twins.textures[0]], Meaning::Data).unwrap();
     // Vertices 5, 4, 3: the diagonal runs from its second corner to its third.
     assert!(converted.survey(0, &[0]).figures.max < 1e-3);
     twins.primitives[0].triangles[1].corners.swap(1, 2);
     let surface = surface_of(&asset, &twins);
-    let converted = Converted { surface: &surface, texture: &twins.textures[0], meaning: Meaning::Data };
+    let converted = Converted::new(&surface, vec![&twins.textures[0]], Meaning::Data).unwrap();
     assert!((converted.survey(0, &[0]).figures.max - 200.0).abs() < 1e-3);
 }

@@ -178,8 +178,13 @@ fn a_file_is_measured_without_a_source() {
 fn extras_are_copied_and_counted() {
     let asset = square(Slot::Occlusion, flat(9));
     let extras = Extras {
-        sample_counts: vec![(0, vec![25, 9, 4])],
-        solver: vec![vec![SolverReport { level: 1, row_count: 7, ..SolverReport::default() }]],
+        sample_counts: vec![SampleCounts { material: 0, part: 0, levels: vec![25, 9, 4] }],
+        channels: vec![ChannelExtras {
+            material: 0,
+            slots: vec![Slot::Occlusion],
+            solver: vec![SolverReport { level: 1, row_count: 7, ..SolverReport::default() }],
+            stored: Vec::new(),
+        }],
         ..Extras::default()
     };
     let result = converted(&asset, &finished(Slot::Occlusion, ramp), &extras, &Unwatched).unwrap();

@@ -30,10 +30,10 @@ pub struct Edges<'a>(Vec<Vec<Side<'a>>>);
 
 impl<'a> Edges<'a> {
     pub fn of(asset: &Asset, finished: &'a Finished, texture: usize) -> Self {
-        let material = finished.textures[texture].material;
+        let shown = &finished.textures[texture];
         // By mesh and both positions; an edge is a cut when one of its sides says so.
         let mut edges: BTreeMap<(usize, Ends), (bool, Vec<Side<'a>>)> = BTreeMap::new();
-        for piece in finished.primitives.iter().filter(|piece| piece.material == material) {
+        for piece in finished.primitives.iter().filter(|piece| shown.is_of(piece.material, piece.part)) {
             let positions = &asset.meshes[piece.mesh].primitives[piece.primitive].positions;
             let cuts = piece.cuts.iter().find(|cuts| cuts.texture == texture);
             for (number, triangle) in piece.triangles.iter().enumerate() {

@@ -25,6 +25,12 @@ pub const SOLVERS: &[(&str, Solver)] = &[
 ];
 pub const RANGES: &[(&str, Range)] =
     &[("unorm8", Range::Unorm8), ("scaled16", Range::Scaled16), ("float16", Range::Float16)];
+/// Off and on.
+pub const SWITCH: &[(&str, bool)] = &[("false", false), ("true", true)];
+const SWITCH_ALLOWED: &str = "false, true";
+/// Of `max-size`.
+pub const MAX_SIDE_LEAST: u32 = 2048;
+pub const MAX_SIDE_MOST: u32 = 16384;
 /// More than any set of textures has.
 pub const TEXELS_MAX: u64 = 1 << 32;
 pub const ROUNDINGS: &[(&str, Rounding)] = &[("nearest", Rounding::Nearest), ("rules", Rounding::Rules)];
@@ -55,6 +61,13 @@ pub struct OptionSpec {
     /// The values that are allowed, in words.
     pub allowed: &'static str,
     pub doc: &'static str,
+}
+
+impl OptionSpec {
+    /// Whether it is on or off, and on where it is named without a value.
+    pub fn is_switch(&self) -> bool {
+        self.allowed == SWITCH_ALLOWED
+    }
 }
 
 pub const OPTIONS: &[OptionSpec] = &[
@@ -156,6 +169,33 @@ pub const OPTIONS: &[OptionSpec] = &[
         rungs: &names::<_, 2>(COORDINATES),
         allowed: "4d, indexed",
         doc: "How a viewer finds texels: u_s / 2^level + u_delta, or by the number of a face's block and a table of levels, which needs fewer texels and no change of colors at coarse levels",
+    },
+    OptionSpec {
+        name: "no-share",
+        value_name: "BOOL",
+        default: "false",
+        follows_quality: false,
+        rungs: &[],
+        allowed: SWITCH_ALLOWED,
+        doc: "Every face has texels of its own, also where others store the same: mirrored halves, tiles, stamps (4d never shares)",
+    },
+    OptionSpec {
+        name: "merge",
+        value_name: "BOOL",
+        default: "false",
+        follows_quality: false,
+        rungs: &[],
+        allowed: SWITCH_ALLOWED,
+        doc: "Materials whose channels are of the same kinds get one set of textures, so that they can be drawn at once (with indexed coordinates)",
+    },
+    OptionSpec {
+        name: "max-size",
+        value_name: "TEXELS",
+        default: "8192",
+        follows_quality: false,
+        rungs: &[],
+        allowed: "2048..=16384",
+        doc: "Largest side of a texture; what needs more is split into several, and so are primitives (with indexed coordinates; 4d refuses it)",
     },
     OptionSpec {
         name: "cut",

@@ -194,7 +194,8 @@ fn texture(material: usize, slots: &[Slot], components: u8, seed: u32) -> Finish
     let transfer = if slots[0].is_color() { Transfer::Srgb } else { Transfer::Linear };
     let levels = [(16, 8), (9, 5), (6, 4)].map(|(w, h)| noise(w, h, components, seed));
     FinishedTexture {
-        material,
+        materials: vec![material],
+        part: 0,
         slots: slots.to_vec(),
         transfer,
         levels: levels.to_vec(),
@@ -227,6 +228,7 @@ pub fn finished(asset: &Asset) -> Finished {
             mesh: 0,
             primitive: 0,
             material: 0,
+            part: 0,
             coordinates: Coordinates::Scaled,
             frames: vec![[frame; 3]; triangles.len()],
             cuts: vec![PrimitiveCuts { texture: 1, bits }],

@@ -56,6 +56,7 @@ fn finished(asset: &Asset) -> Finished {
         mesh: 0,
         primitive: 0,
         material: 0,
+        part: 0,
         coordinates: Coordinates::Scaled,
         triangles: triangles.collect(),
         frames: Vec::new(),

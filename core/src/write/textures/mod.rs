@@ -152,8 +152,13 @@ fn folders(asset: &Asset, finished: &Finished) -> Result<Vec<String>> {
     let mut known = BTreeSet::new();
     let mut folders = Vec::with_capacity(finished.textures.len());
     for texture in &finished.textures {
-        let name = asset.materials.get(texture.material).map_or("", |material| material.name.as_str());
-        let folder = format!("textures/{}/{}", set_name(texture.material, name), channel_name(texture));
+        let material = texture.materials.first().copied().unwrap_or_default();
+        let name = asset.materials.get(material).map_or("", |material| material.name.as_str());
+        let set = match texture.part {
+            0 => set_name(material, name),
+            part => format!("{}_part_{}", set_name(material, name), part + 1),
+        };
+        let folder = format!("textures/{set}/{}", channel_name(texture));
         if !known.insert(folder.clone()) {
             return Err(Error::internal(format!("two channels would be stored in {folder}")));
         }

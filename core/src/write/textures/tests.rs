@@ -36,7 +36,8 @@ fn channels(list: &[(&[Slot], u8, u8)]) -> (Asset, Finished) {
     let asset =
         Asset { materials: vec![material("Wood / \"dark\" №3 "), material("木")], ..Asset::default() };
     let texture = |&(slots, components, bits): &(&[Slot], u8, u8)| FinishedTexture {
-        material: 0,
+        materials: vec![0],
+        part: 0,
         slots: slots.to_vec(),
         transfer: if slots[0].is_color() { Transfer::Srgb } else { Transfer::Linear },
         levels: SIZES.map(|size| image(size, components, bits, 7)).to_vec(),
@@ -56,7 +57,7 @@ fn names_are_unique_and_safe_for_every_file_system() {
     let (asset, mut finished) =
         channels(&[(&[Slot::BaseColor], 3, 8), (&[Slot::MetallicRoughness, Slot::Occlusion], 3, 8)]);
     let mut other = finished.textures[0].clone();
-    other.material = 1;
+    other.materials = vec![1];
     finished.textures.push(other);
     assert_eq!(written(&asset, &finished, &[]), []);
     let files = written(&asset, &finished, &[TextureFormat::Exr, TextureFormat::Png]);
@@ -77,7 +78,11 @@ fn names_are_unique_and_safe_for_every_file_system() {
     assert_eq!(paths[12], "textures/01/baseColor/level_00.png");
     assert_eq!(paths.iter().collect::<BTreeSet<_>>().len(), 18);
 
-    finished.textures[2].material = 0;
+    finished.textures[2].materials = vec![0];
+    finished.textures[2].part = 1;
+    let second = written(&asset, &finished, &[TextureFormat::Png]);
+    assert_eq!(second[6].path, "textures/00_Wood_dark_3_part_2/baseColor/level_00.png");
+    finished.textures[2].part = 0;
     let pngs = encode(&finished, &Unwatched).unwrap();
     let source = Source { asset: &asset, finished: &finished, pngs: &pngs, compressed: None };
     let twice = super::files(&source, &BTreeSet::from(ALL), &Unwatched).unwrap_err();

@@ -10,7 +10,8 @@ use crate::preview::PreviewError;
 /// `Inconsistent`, naming the first element that points past the asset or lacks its images.
 pub fn check(asset: &Asset, finished: &Finished) -> Result<(), PreviewError> {
     for (number, texture) in finished.textures.iter().enumerate() {
-        ensure(texture.material < asset.materials.len(), || format!("material of texture {number}"))?;
+        let is_known = |&material: &usize| material < asset.materials.len();
+        ensure(texture.materials.iter().all(is_known), || format!("material of texture {number}"))?;
         ensure(!texture.levels.is_empty(), || format!("levels of texture {number}"))?;
         for (level, image) in texture.levels.iter().enumerate() {
             ensure(is_whole(image), || format!("level {level} of texture {number}"))?;
@@ -26,7 +27,7 @@ pub fn check(asset: &Asset, finished: &Finished) -> Result<(), PreviewError> {
     for (number, primitive) in finished.primitives.iter().enumerate() {
         check_primitive(asset, primitive).map_err(|what| inconsistent(format!("{what} {number}")))?;
     }
-    finished.check_coordinates().map_err(|error| inconsistent(error.to_string()))?;
+    finished.check().map_err(|error| inconsistent(error.to_string()))?;
     Ok(())
 }
 

@@ -94,7 +94,7 @@ impl Surface {
         for slot in Slot::ALL {
             let Some(reference) = material.slot(slot) else { continue };
             let converted = finished.and_then(|finished| {
-                finished.textures.iter().position(|t| t.material == index && t.slots.contains(&slot))
+                finished.textures.iter().position(|t| t.is_of(index, 0) && t.slots.contains(&slot))
             });
             surface.bindings[slot as usize] = Some(match converted {
                 Some(texture) => Binding { texture, coordinate: Coordinate::Mesh },

@@ -189,7 +189,8 @@ fn primitives() -> (Primitive, FinishedPrimitive) {
     }
     let coordinates = Coordinates::Scaled;
     let (mesh, primitive, material, cuts) = (0, 0, 0, vec![]);
-    let finished = FinishedPrimitive { mesh, primitive, material, coordinates, triangles, frames, cuts };
+    let finished =
+        FinishedPrimitive { mesh, primitive, material, part: 0, coordinates, triangles, frames, cuts };
     (source, finished)
 }
 
@@ -255,7 +256,8 @@ pub fn ball() -> Conversion {
     });
     let normal = (0..=EXPONENT).map(|level| level_image(level, Transfer::Linear, normal_value));
     let texture = |slot, transfer, levels| FinishedTexture {
-        material: 0,
+        materials: vec![0],
+        part: 0,
         slots: vec![slot],
         transfer,
         levels,
