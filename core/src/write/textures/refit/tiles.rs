@@ -38,3 +38,26 @@ pub fn tile_texel(image: &Image, number: usize, k: usize) -> u32 {
     let (x, y) = (number % columns * SIDE + k % SIDE, number / columns * SIDE + k / SIDE);
     (y * image.width as usize + x) as u32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texels_are_found_where_they_were_put() {
+        for components in 1..=4 {
+            let code = |number: usize, k: usize, c: usize| (number * 7 + k * 3 + c) as u8;
+            let texels = |number| std::array::from_fn(|k| std::array::from_fn(|c| code(number, k, c)));
+            // One row with the last tile alone in the next.
+            let tiles: Vec<Tile> = (0..=COLUMNS).map(|block| Tile { block, texels: texels(block) }).collect();
+            let image = beside_each_other(&tiles, components);
+            assert_eq!(image.size(), [COLUMNS * SIDE, 2 * SIDE].map(|side| side as u32));
+            let Pixels::U8(codes) = &image.pixels else { panic!("8 bits") };
+            for (number, k) in (0..tiles.len()).flat_map(|number| (0..TEXELS).map(move |k| (number, k))) {
+                let count = usize::from(components);
+                let found = &codes[tile_texel(&image, number, k) as usize * count..][..count];
+                assert_eq!(found, &tiles[number].texels[k][..count], "tile {number}, texel {k}");
+            }
+        }
+    }
+}
