@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::asset::Asset;
 use crate::error::Result;
 use crate::finished::{Finished, FinishedTexture};
-use crate::image::Transfer;
+use crate::image::{Image, Transfer};
 use crate::math::transfer::linear_to_srgb;
 use crate::measure::{self, ChannelReport, CompressedLevel, CompressionReport, Figures};
 use crate::watch::{Stage, Watch, check};
@@ -121,13 +121,15 @@ fn refits(
     let mut refits = Vec::new();
     for (texture, source) in finished.textures.iter().enumerate() {
         let edges = Edges::of(asset, finished, texture);
-        for (level, image) in source.levels.iter().enumerate() {
+        let of_level = |(level, image): (usize, &Image)| {
             check(watch)?;
-            let Some(blocks) = compressed.level(texture, level) else { continue };
+            let Some(blocks) = compressed.level(texture, level) else { return Ok(None) };
             let groups = edges.groups(level, image.size());
             let refitted = refit(finished, [texture, level], blocks, &groups)?;
-            refits.extend(refitted.map(|blocks| ([texture, level], blocks)));
-        }
+            Ok(refitted.map(|blocks| ([texture, level], blocks)))
+        };
+        let levels: Result<Vec<_>> = source.levels.par_iter().enumerate().map(of_level).collect();
+        refits.extend(levels?.into_iter().flatten());
     }
     Ok(refits)
 }
