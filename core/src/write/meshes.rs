@@ -67,7 +67,6 @@ impl<'a> MeshTarget<'a> {
         materials: &Materials,
         border: impl Fn(&FinishedPrimitive) -> &'a [u8],
     ) -> Result<Vec<(usize, Group<'a>)>> {
-        let united = materials.united.materials();
         let mut groups: Vec<(usize, Group<'a>)> = Vec::with_capacity(self.pieces.len());
         for &piece in self.pieces {
             let converted = materials.converted(piece.material, piece.part).cloned().ok_or_else(|| {
@@ -77,7 +76,7 @@ impl<'a> MeshTarget<'a> {
             let source = &self.asset.meshes[self.mesh].primitives[piece.primitive];
             let member = Member { source, piece, converted, border: border(piece) };
             let rest = rest_of(draft.primitive(self.mesh, piece.primitive));
-            let is_united = united.contains(&piece.material);
+            let is_united = materials.united.contains(piece.material);
             let mut known = groups.iter_mut().filter(|_| is_united).map(|(_, group)| group);
             match known.find(|group| group.takes(&member, &rest)) {
                 Some(group) => group.members.push(member),

@@ -31,10 +31,8 @@ pub fn open(
     asset: &Asset,
     finished: &Finished,
 ) -> Result<BTreeMap<(usize, usize), usize>> {
-    let has_faces = |material: usize, part: usize| {
-        let mut pieces = finished.primitives.iter();
-        pieces.any(|piece| (piece.material, piece.part) == (material, part) && !piece.triangles.is_empty())
-    };
+    let drawn = finished.primitives.iter().filter(|piece| !piece.triangles.is_empty());
+    let with_faces: BTreeSet<(usize, usize)> = drawn.map(|piece| (piece.material, piece.part)).collect();
     let mut numbers = BTreeMap::new();
     // What follows is appended behind all of the asset's.
     if let Some(last) = asset.materials.len().checked_sub(1) {
@@ -45,7 +43,7 @@ pub fn open(
             return Err(Error::internal("a converted texture has no place in the asset's materials"));
         }
         let mut used: BTreeSet<usize> =
-            parts.iter().copied().filter(|&part| has_faces(material, part)).collect();
+            parts.iter().copied().filter(|&part| with_faces.contains(&(material, part))).collect();
         used.extend(parts.first().copied().filter(|_| used.is_empty()));
         let source = at(&mut draft.materials, material).clone();
         let name = name(draft, material);

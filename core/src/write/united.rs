@@ -17,6 +17,8 @@ use super::{extensions, parts, references};
 pub struct United {
     /// Of each material but the first: the first.
     firsts: BTreeMap<usize, usize>,
+    /// These, and the first ones.
+    all: BTreeSet<usize>,
     /// glTF materials that nothing shows any more, and what stands for each.
     gone: BTreeMap<usize, usize>,
 }
@@ -27,9 +29,9 @@ impl United {
         self.firsts.get(&material).copied().unwrap_or(material)
     }
 
-    /// All that became one with others.
-    pub fn materials(&self) -> BTreeSet<usize> {
-        self.firsts.iter().flat_map(|(&material, &first)| [material, first]).collect()
+    /// Whether a material became one with others.
+    pub fn contains(&self, material: usize) -> bool {
+        self.all.contains(&material)
     }
 }
 
@@ -56,6 +58,7 @@ pub fn unite(
             continue;
         }
         united.firsts.insert(material, first);
+        united.all.extend([material, first]);
         let places: Vec<usize> = own().map(|((_, part), _)| *part).collect();
         for part in places {
             let Some(number) = converted.get(&(first, part)).map(|of_first| of_first.number) else {
@@ -87,8 +90,7 @@ pub fn borders(
     united: &United,
     pieces: &[&FinishedPrimitive],
 ) -> BTreeMap<(usize, usize), Vec<u8>> {
-    let materials = united.materials();
-    let own: Vec<_> = pieces.iter().filter(|piece| materials.contains(&piece.material)).collect();
+    let own: Vec<_> = pieces.iter().filter(|piece| united.contains(piece.material)).collect();
     let mut sides = Vec::new();
     for (number, piece) in own.iter().enumerate() {
         let positions = &mesh.primitives[piece.primitive].positions;
