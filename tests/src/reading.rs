@@ -118,35 +118,39 @@ fn encode(value: f32, transfer: Transfer) -> f32 {
 type Side<'a> = (&'a FinishedPrimitive, usize, usize);
 type PositionKey = [u32; 3];
 
-/// Largest jump in codes by level, over all edges that are no cut in this texture.
+/// Largest jump in codes by level, over all edges inside the materials that show a texture which are no cut in this
+/// channel. Sides in other parts of the material read the texture of their part.
 pub fn jumps_codes(asset: &Asset, finished: &Finished, texture: usize) -> Vec<f32> {
-    let mut edges: BTreeMap<(usize, [PositionKey; 2]), Vec<Side<'_>>> = BTreeMap::new();
-    for piece in finished
-        .primitives
-        .iter()
-        .filter(|piece| finished.textures[texture].is_of(piece.material, piece.part))
-    {
+    let FinishedTexture { materials, slots, levels, .. } = &finished.textures[texture];
+    let read_by = |piece: &FinishedPrimitive| -> (usize, &FinishedTexture) {
+        let mut own = finished.textures_of(piece.material, piece.part);
+        own.find(|(_, own)| own.slots == *slots).expect("every part has every channel")
+    };
+    let mut edges: BTreeMap<(usize, usize, [PositionKey; 2]), Vec<Side<'_>>> = BTreeMap::new();
+    for piece in finished.primitives.iter().filter(|piece| materials.contains(&piece.material)) {
         for triangle in 0..piece.triangles.len() {
             for k in 0..3 {
                 let mut key = [key(asset, piece, triangle, k), key(asset, piece, triangle, k + 1)];
                 key.sort_unstable();
                 if key[0] != key[1] {
-                    edges.entry((piece.mesh, key)).or_default().push((piece, triangle, k));
+                    let edge = (piece.material, piece.mesh, key);
+                    edges.entry(edge).or_default().push((piece, triangle, k));
                 }
             }
         }
     }
     let is_cut = |&(piece, triangle, k): &Side<'_>| {
+        let texture = read_by(piece).0;
         let mut cuts = piece.cuts.iter().filter(|cuts| cuts.texture == texture);
         cuts.any(|cuts| cuts.bits[triangle] >> k & 1 == 1)
     };
     edges.retain(|_, sides| sides.len() > 1 && !sides.iter().any(is_cut));
-    let texture = &finished.textures[texture];
-    (0..texture.levels.len())
+    (0..levels.len())
         .map(|level| {
-            let worst =
-                edges.iter().map(|((_, ends), sides)| jump_codes(asset, texture, level, ends[0], sides));
-            worst.fold(0.0, f32::max)
+            let jump = |((_, _, ends), sides): (&(usize, usize, [PositionKey; 2]), &Vec<Side<'_>>)| {
+                jump_codes(asset, |piece| read_by(piece).1, level, ends[0], sides)
+            };
+            edges.iter().map(jump).fold(0.0, f32::max)
         })
         .collect()
 }
@@ -157,9 +161,9 @@ fn key(asset: &Asset, piece: &FinishedPrimitive, triangle: usize, corner: usize)
     position.to_array().map(f32::to_bits)
 }
 
-fn jump_codes(
+fn jump_codes<'f>(
     asset: &Asset,
-    texture: &FinishedTexture,
+    read_by: impl Fn(&FinishedPrimitive) -> &'f FinishedTexture,
     level: usize,
     low: PositionKey,
     sides: &[Side<'_>],
@@ -170,7 +174,7 @@ fn jump_codes(
         weights[k] = 1.0 - t;
         weights[(k + 1) % 3] = t;
         let place = piece.place_at(triangle, weights, level);
-        shown_codes_of(texture, level, place)
+        shown_codes_of(read_by(piece), level, place)
     };
     let mut worst: f32 = 0.0;
     for point in 0..=EDGE_POINTS {

@@ -11,6 +11,7 @@ use meshcolor::finished::{
     FinishedTriangle, Frame, PrimitiveCuts, TableLevel, extract,
 };
 use meshcolor::image::{Image, Pixels, Transfer};
+use meshcolor::measure;
 use meshcolor::read::{Limits, Upload, read};
 use meshcolor::watch::Unwatched;
 use meshcolor_tests::{models, validator};
@@ -112,7 +113,134 @@ fn judge(name: &str, upload: &Upload) {
     let finished = made_up(&asset);
     assert!(!finished.primitives.is_empty(), "{name} has nothing to convert");
     judge_one(name, &asset, &finished);
-    judge_one(&format!("{name}, indexed"), &asset, &indexed(finished));
+    judge_one(&format!("{name}, indexed"), &asset, &indexed(finished.clone()));
+    judge_parts(&format!("{name}, in parts"), &asset, &in_parts(finished));
+}
+
+/// Every other face in a second part, with images of its own.
+fn in_parts(whole: Finished) -> Finished {
+    let second = |texture: &FinishedTexture| FinishedTexture { part: 1, ..texture.clone() };
+    let (first, second) = (whole.textures.clone(), whole.textures.iter().map(second));
+    let count = whole.textures.len();
+    let mut finished =
+        Finished { textures: first.into_iter().chain(second).collect(), primitives: Vec::new() };
+    finished.textures.sort_by_key(|texture| (texture.materials[0], texture.part));
+    let number = |old: usize, part: usize| {
+        let FinishedTexture { materials, slots, .. } = &whole.textures[old];
+        let mut own = finished.textures_of(materials[0], part);
+        own.find(|(_, texture)| texture.slots == *slots).expect("it was made above").0
+    };
+    assert_eq!(finished.textures.len(), 2 * count);
+    let mut primitives = Vec::new();
+    for piece in &whole.primitives {
+        for part in 0..2 {
+            let is_here = |triangle: &usize| triangle / 2 % 2 == part;
+            let numbers: Vec<usize> = (0..piece.triangles.len()).filter(is_here).collect();
+            if numbers.is_empty() {
+                continue;
+            }
+            let cuts = piece.cuts.iter().map(|cuts| PrimitiveCuts {
+                texture: number(cuts.texture, part),
+                bits: numbers.iter().map(|&triangle| cuts.bits[triangle]).collect(),
+            });
+            let is_framed = !piece.frames.is_empty();
+            primitives.push(FinishedPrimitive {
+                part,
+                triangles: numbers.iter().map(|&number| piece.triangles[number]).collect(),
+                frames: numbers.iter().filter(|_| is_framed).map(|&number| piece.frames[number]).collect(),
+                cuts: cuts.collect(),
+                ..piece.clone()
+            });
+        }
+    }
+    finished.primitives = primitives;
+    finished
+}
+
+fn judge_parts(name: &str, asset: &Asset, finished: &Finished) {
+    let glb = meshcolor::write::glb(asset, finished, &Unwatched).unwrap().bytes;
+    validator::expect_valid(name, &glb, true);
+    let back = load(&Upload::single("asset.glb", glb));
+    let read = extract(&back).unwrap().unwrap();
+    assert!(read.textures == finished.textures, "{name}: other textures");
+    // Primitives of further parts stand behind all others of their mesh.
+    let sorted = |asset: &Asset, finished: &Finished| {
+        let mut triangles: Vec<_> = Vec::new();
+        for piece in &finished.primitives {
+            let positions = &asset.meshes[piece.mesh].primitives[piece.primitive].positions;
+            for triangle in &piece.triangles {
+                let at =
+                    triangle.vertices.map(|vertex| positions[vertex as usize].to_array().map(f32::to_bits));
+                let corners = triangle.corners.map(|corner| corner.to_array().map(f32::to_bits));
+                triangles.push((piece.mesh, piece.material, piece.part, at, corners));
+            }
+        }
+        triangles.sort_unstable();
+        triangles
+    };
+    assert!(sorted(&back, &read) == sorted(asset, finished), "{name}: other triangles");
+    measure::converted_file(&back, &read, &Unwatched).unwrap_or_else(|error| panic!("{name}: {error}"));
+}
+
+/// The model's first mesh with every primitive once more, of a material that is another by name alone, or also by
+/// `changed`.
+fn doubled(mut asset: Asset, changed: bool) -> (Asset, Finished) {
+    let mut finished = made_up(&asset);
+    let materials = asset.document.json["materials"].as_array_mut().expect("it has materials");
+    let count = materials.len();
+    for number in 0..count {
+        let mut again = materials[number].clone();
+        again["name"] = format!("again {number}").into();
+        if changed {
+            again["alphaMode"] = "BLEND".into();
+        }
+        materials.push(again);
+    }
+    asset.materials.extend_from_within(..);
+    let json = asset.document.json["meshes"][0]["primitives"].as_array_mut().expect("it has primitives");
+    let primitives = &mut asset.meshes[0].primitives;
+    let first = primitives.len();
+    json.extend_from_within(..);
+    primitives.extend_from_within(..);
+    for (json, primitive) in json.iter_mut().zip(&mut *primitives).skip(first) {
+        primitive.material = primitive.material.map(|material| material + count);
+        json["material"] = primitive.material.into();
+    }
+    for texture in &mut finished.textures {
+        texture.materials.push(texture.materials[0] + count);
+    }
+    let own = finished.primitives.iter().filter(|piece| piece.mesh == 0).cloned();
+    let again: Vec<_> = own
+        .map(|piece| FinishedPrimitive {
+            primitive: piece.primitive + first,
+            material: piece.material + count,
+            ..piece
+        })
+        .collect();
+    finished.primitives.extend(again);
+    finished.primitives.sort_by_key(|piece| (piece.mesh, piece.primitive, piece.part));
+    (asset, finished)
+}
+
+#[test]
+fn merged_materials_are_valid_and_drawn_at_once() {
+    for (name, upload) in ["DamagedHelmet", "Fox"].map(|name| (name, models::upload(name))) {
+        let Some(upload) = upload else { continue };
+        for changed in [false, true] {
+            let (asset, finished) = doubled(load(&upload), changed);
+            let glb = meshcolor::write::glb(&asset, &finished, &Unwatched).unwrap().bytes;
+            validator::expect_valid(&format!("{name}, twice"), &glb, true);
+            let back = load(&Upload::single("asset.glb", glb));
+            let read = extract(&back).unwrap().unwrap();
+            let count = finished.primitives.len();
+            assert_eq!(read.primitives.len(), if changed { count } else { count / 2 }, "{name}");
+            assert_eq!(read.textures.len(), finished.textures.len(), "{name}");
+            let triangles = |finished: &Finished| {
+                finished.primitives.iter().map(|piece| piece.triangles.len()).sum::<usize>()
+            };
+            assert_eq!(triangles(&read), triangles(&finished), "{name}");
+        }
+    }
 }
 
 fn judge_one(name: &str, asset: &Asset, finished: &Finished) {

@@ -1,6 +1,10 @@
 //! A flat sheet with indexed coordinates, made by hand: every shape of block that there is, its texels a
 //! linear function of position, so that a sound table shows no seam at any level.
 
+mod parts;
+
+pub use parts::split;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 
 use glam::Vec2;
 
-use crate::asset::Slot;
+use crate::asset::{Face, Primitive, Slot};
 use crate::image::{Image, LevelRange, Transfer};
 
 pub use crate::math::frame::Frame;
@@ -85,6 +85,27 @@ pub struct FinishedTriangle {
     /// faces.
     pub corners: [Vec2; 3],
     pub anchor: Anchor,
+}
+
+/// The faces that drawn triangles come from, each given by its vertices. `None` where they are not some of those that the
+/// primitive's faces are drawn as, in their order.
+pub fn faces_of(primitive: &Primitive, triangles: impl Iterator<Item = [u32; 3]>) -> Option<Vec<u32>> {
+    let sorted = |mut triangle: [u32; 3]| {
+        triangle.sort_unstable();
+        triangle
+    };
+    let of_face = |(number, face): (usize, &Face)| {
+        let corners = face.corners;
+        face.triangles().iter().map(move |drawn| (number as u32, sorted(drawn.map(|k| corners[k]))))
+    };
+    let mut drawn = primitive.faces.iter().enumerate().flat_map(of_face);
+    // Triangles of one part are in the asset's order: none before the last one found is looked at again.
+    triangles
+        .map(|triangle| {
+            let wanted = sorted(triangle);
+            drawn.find(|(_, own)| *own == wanted).map(|(number, _)| number)
+        })
+        .collect()
 }
 
 /// Which edges of a primitive one texture does not join.

@@ -32,7 +32,8 @@ impl Finished {
     /// The channels of a material in the order of its first part's textures: of each the numbers of its textures, part
     /// by part. A part that lacks a channel is left out, which [`Finished::check`] refuses.
     pub fn channels(&self, material: usize) -> Vec<Vec<usize>> {
-        let parts = self.parts().remove(&material).unwrap_or_default();
+        let own = self.textures.iter().filter(|texture| texture.materials.contains(&material));
+        let parts: BTreeSet<usize> = own.map(|texture| texture.part).collect();
         let Some(&first) = parts.first() else { return Vec::new() };
         let channel = |slots: &[Slot]| {
             let of_part =

@@ -1,7 +1,7 @@
 //! Figures of a layout, from finished coordinates alone: which texels any triangle's filtering can reach,
 //! and how many faces stand in blocks of what size.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec2, Vec2};
 use rayon::prelude::*;
@@ -48,26 +48,35 @@ pub fn reports(
             own.for_each(|other| sets.join(first, other));
         }
     }
-    let mut groups: Vec<(u32, Vec<Tally>)> = Vec::new();
+    let mut pieces: BTreeMap<(usize, usize), Vec<&FinishedPrimitive>> = BTreeMap::new();
+    for piece in &finished.primitives {
+        pieces.entry((piece.material, piece.part)).or_default().push(piece);
+    }
+    let mut known: BTreeMap<u32, usize> = BTreeMap::new();
+    let mut groups: Vec<Vec<Tally>> = Vec::new();
     for tally in tallies {
         let Some(set) = textures(&tally).next().map(|first| sets.root(first)) else { continue };
-        match groups.iter_mut().find(|(known, _)| *known == set) {
-            Some((_, group)) => group.push(tally),
-            None => groups.push((set, vec![tally])),
-        }
+        let number = *known.entry(set).or_insert(groups.len());
+        groups.resize_with(groups.len().max(number + 1), Vec::new);
+        groups[number].push(tally);
     }
-    groups.into_iter().map(|(_, group)| report(asset, finished, group, counts)).collect()
+    groups.into_iter().map(|group| report((asset, finished), group, &pieces, counts)).collect()
 }
 
 /// The layout of the texture set that some parts of materials share.
-fn report(asset: &Asset, finished: &Finished, group: Vec<Tally>, counts: &[SampleCounts]) -> LayoutReport {
+fn report(
+    (asset, finished): (&Asset, &Finished),
+    group: Vec<Tally>,
+    pieces: &BTreeMap<(usize, usize), Vec<&FinishedPrimitive>>,
+    counts: &[SampleCounts],
+) -> LayoutReport {
     let places: Vec<(usize, usize)> = group.iter().map(|tally| (tally.report.material, tally.part)).collect();
     let texture = places.first().and_then(|&(material, part)| finished.textures_of(material, part).next());
     let sizes: Vec<[u32; 2]> = texture
         .map(|(_, texture)| texture.levels.iter().map(|image| image.size()).collect())
         .unwrap_or_default();
-    let in_set = |piece: &&FinishedPrimitive| places.contains(&(piece.material, piece.part));
-    let pieces: Vec<&FinishedPrimitive> = finished.primitives.iter().filter(in_set).collect();
+    let pieces: Vec<&FinishedPrimitive> =
+        places.iter().filter_map(|place| pieces.get(place)).flatten().copied().collect();
     let distinct = |level: usize| -> Option<u64> {
         let own = |&(material, part): &(usize, usize)| {
             let counts = counts.iter().find(|counts| (counts.material, counts.part) == (material, part))?;

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use super::edges::{self, EdgePair, Side};
 use crate::asset::{Asset, Primitive};
 use crate::error::{Error, Result};
-use crate::finished::{Anchor, Coordinates, Finished, FinishedPrimitive, FinishedTriangle, Frame};
+use crate::finished::{Anchor, Coordinates, Finished, FinishedPrimitive, FinishedTriangle, Frame, faces_of};
 
 /// No image is as large: converted coordinates beyond are refused.
 const FAR_TEXELS: f32 = 1e9;
@@ -40,21 +40,10 @@ impl Part<'_> {
     /// # Errors
     /// `InvalidModel` where the triangles are not some of those that the faces are drawn as, in their order.
     pub fn faces(&self) -> Result<Vec<u32>> {
-        let sorted = |mut triangle: [u32; 3]| {
-            triangle.sort_unstable();
-            triangle
-        };
-        let mut drawn = fan(self.geometry);
-        let mut face = |&triangle: &[u32; 3]| {
-            drawn
-                .find(|(_, own)| sorted(*own) == sorted(triangle))
-                .map(|(number, _)| number as u32)
-                .ok_or_else(|| {
-                    Error::invalid("the drawn triangles are not those of the asset's faces")
-                        .at(format!("/meshes/{}/primitives/{}", self.mesh, self.primitive))
-                })
-        };
-        self.triangles.iter().map(&mut face).collect()
+        faces_of(self.geometry, self.triangles.iter().copied()).ok_or_else(|| {
+            Error::invalid("the drawn triangles are not those of the asset's faces")
+                .at(format!("/meshes/{}/primitives/{}", self.mesh, self.primitive))
+        })
     }
 
     /// Of its material.

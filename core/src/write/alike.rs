@@ -13,11 +13,18 @@ pub struct Kept<'a> {
     pub sets: &'a [usize],
 }
 
-/// For each vertex the first one that is written with the same bits.
-pub fn firsts(source: &Primitive, kept: &Kept<'_>) -> Vec<u32> {
+/// For each vertex that is used the first of them that is written with the same bits; others stand for themselves.
+pub fn firsts(source: &Primitive, kept: &Kept<'_>, used: impl Iterator<Item = u32>) -> Vec<u32> {
     let mut known: HashMap<Vec<u8>, u32> = HashMap::new();
-    let first = |vertex: u32| *known.entry(bytes(source, kept, vertex as usize)).or_insert(vertex);
-    (0..source.positions.len() as u32).map(first).collect()
+    let mut firsts: Vec<u32> = (0..source.positions.len() as u32).collect();
+    let mut is_done = vec![false; firsts.len()];
+    for vertex in used {
+        if !std::mem::replace(&mut is_done[vertex as usize], true) {
+            let first = *known.entry(bytes(source, kept, vertex as usize)).or_insert(vertex);
+            firsts[vertex as usize] = first;
+        }
+    }
+    firsts
 }
 
 /// Everything of a vertex that is written. What the primitive lacks adds nothing to any.
@@ -75,15 +82,15 @@ mod tests {
     fn vertices_are_alike_that_differ_in_nothing_written() {
         let all = Kept { normals: true, tangents: true, sets: &[0, 1] };
         let none = Kept { normals: false, tangents: false, sets: &[] };
-        assert_eq!(firsts(&primitive(), &all), [0; 4]);
+        assert_eq!(firsts(&primitive(), &all, 0..4), [0; 4]);
         type Change = fn(&mut Primitive);
         let optional: [Change; 3] =
             [|p| p.normals[2] = Vec3::X, |p| p.tangents[2] = Vec4::Y, |p| p.texcoords[1][2] = Vec2::X];
         for change in optional {
             let mut changed = primitive();
             change(&mut changed);
-            assert_eq!(firsts(&changed, &all), [0, 0, 2, 0]);
-            assert_eq!(firsts(&changed, &none), [0; 4]);
+            assert_eq!(firsts(&changed, &all, 0..4), [0, 0, 2, 0]);
+            assert_eq!(firsts(&changed, &none, 0..4), [0; 4]);
         }
         let written: [Change; 3] = [
             |p| p.positions[2] = Vec3::X,
@@ -93,7 +100,7 @@ mod tests {
         for change in written {
             let mut changed = primitive();
             change(&mut changed);
-            assert_eq!(firsts(&changed, &none), [0, 0, 2, 0]);
+            assert_eq!(firsts(&changed, &none, 0..4), [0, 0, 2, 0]);
         }
     }
 }

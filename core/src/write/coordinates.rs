@@ -68,8 +68,7 @@ fn local(draft: &mut Draft<'_>, corners: &[Corner]) -> usize {
         element_bytes,
         bytes,
     };
-    let all: Vec<u32> = (0..corners.len() as u32).collect();
-    vertices::add_attribute(draft, &attribute, &all)
+    vertices::add_whole(draft, &attribute)
 }
 
 /// The table as it stands in the primitive's extension.

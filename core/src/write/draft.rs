@@ -77,14 +77,19 @@ impl<'a> Draft<'a> {
 
     /// The JSON object of a primitive, which is made if the document lacks it.
     pub fn primitive(&mut self, mesh: usize, primitive: usize) -> &mut Map<String, Value> {
+        object(at(self.primitives(mesh), primitive))
+    }
+
+    /// The primitives of a mesh, which are made if the document lacks them.
+    pub fn primitives(&mut self, mesh: usize) -> &mut Vec<Value> {
         let mesh = object(at(&mut self.meshes, mesh));
         let primitives = mesh.entry("primitives").or_insert_with(|| json!([]));
         if !primitives.is_array() {
             *primitives = json!([]);
         }
         match primitives {
-            Value::Array(items) => object(at(items, primitive)),
-            other => object(other),
+            Value::Array(items) => items,
+            _ => unreachable!("it was made an array above"),
         }
     }
 

@@ -13,16 +13,20 @@ use crate::image::LevelRange;
 
 use super::draft::{Draft, at, index, member, object, remove_extension};
 use super::references::visit_texture_infos;
-use super::{images, slot_path};
+use super::united::{self, United};
+use super::{images, parts, slot_path};
 
 const CLAMP_TO_EDGE: u32 = 33071;
 const LINEAR: u32 = 9729;
 
-/// What primitives have to know of a converted material.
+/// What primitives have to know of a converted material, or of one of its parts.
+#[derive(Clone)]
 pub struct Converted {
+    /// The glTF material.
+    pub number: usize,
     /// Size of level 0, texels.
     pub size: Vec2,
-    /// Source sets that unconverted textures read: the one at `n` becomes `TEXCOORD_{n + 1}`.
+    /// The same in all parts. Source sets that unconverted textures read: the one at `n` becomes `TEXCOORD_{n + 1}`.
     pub sets: Vec<usize>,
     /// Whether something that is not converted needs the source's tangents.
     pub keeps_tangents: bool,
@@ -30,7 +34,9 @@ pub struct Converted {
 
 pub struct Materials {
     source: Vec<Value>,
-    converted: BTreeMap<usize, Converted>,
+    /// By material and part.
+    converted: BTreeMap<(usize, usize), Converted>,
+    pub united: United,
     /// Copies of source materials, by source and the converted material whose sets they read.
     copies: BTreeMap<(usize, Option<usize>), usize>,
 }
@@ -43,8 +49,10 @@ impl Materials {
         finished: &Finished,
         encoded: Vec<Vec<Vec<u8>>>,
     ) -> Result<Self> {
+        parts::forget(draft);
+        let source = draft.materials.clone();
         let mut this =
-            Self { source: draft.materials.clone(), converted: BTreeMap::new(), copies: BTreeMap::new() };
+            Self { source, converted: BTreeMap::new(), united: United::default(), copies: BTreeMap::new() };
         let first_new = draft.textures.len();
         let sampler = draft.samplers.len();
         if !finished.textures.is_empty() {
@@ -52,29 +60,45 @@ impl Materials {
                 "magFilter": LINEAR, "minFilter": LINEAR, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE
             }));
         }
+        for (place, number) in parts::open(draft, asset, finished)? {
+            let blank = Converted { number, size: Vec2::ZERO, sets: Vec::new(), keeps_tangents: false };
+            this.converted.insert(place, blank);
+        }
         for (texture, levels) in finished.textures.iter().zip(encoded) {
-            let Some(&material) = texture.materials.first().filter(|&&own| own < asset.materials.len())
-            else {
-                return Err(Error::internal("a converted texture has no material"));
-            };
             if texture.slots.is_empty() {
-                return Err(Error::internal("a converted texture has no place in the asset's materials"));
+                return Err(Error::internal("a converted texture has no slots"));
             }
             let size = texture.levels.first().map(|level| Vec2::new(level.width as f32, level.height as f32));
             let size = size.ok_or_else(|| Error::internal("a converted texture has no levels"))?;
-            add_texture(draft, (material, texture), levels, sampler);
-            let blank = Converted { size, sets: Vec::new(), keeps_tangents: false };
-            if this.converted.entry(material).or_insert(blank).size != size {
-                return Err(Error::internal("the textures of one material differ in size")
-                    .at(format!("/materials/{material}")));
+            let mut shown = Vec::with_capacity(texture.materials.len());
+            for &material in &texture.materials {
+                // A part that has no faces has no glTF material either.
+                let Some(converted) = this.converted.get_mut(&(material, texture.part)) else { continue };
+                converted.size = size;
+                shown.push(converted.number);
+            }
+            if !shown.is_empty() {
+                add_texture(draft, (texture, &shown), levels, sampler);
             }
         }
         this.settle_sets(draft, finished, first_new);
+        this.united = united::unite(draft, finished, &mut this.converted);
+        let numbers = this.converted.iter().map(|(place, converted)| (*place, converted.number));
+        parts::follow(draft, &numbers.collect());
         Ok(this)
     }
 
-    pub fn converted(&self, material: usize) -> Option<&Converted> {
-        self.converted.get(&material)
+    pub fn converted(&self, material: usize, part: usize) -> Option<&Converted> {
+        self.converted.get(&(material, part))
+    }
+
+    pub fn is_converted(&self, material: usize) -> bool {
+        self.sets(material).is_some()
+    }
+
+    fn sets(&self, material: usize) -> Option<&[usize]> {
+        let mut parts = self.converted.range((material, 0)..=(material, usize::MAX));
+        parts.next().map(|(_, converted)| converted.sets.as_slice())
     }
 
     /// A copy of the source's material: for primitives that keep their own coordinates (`None`), or
@@ -84,8 +108,8 @@ impl Materials {
             return *copy;
         }
         let mut material = self.source.get(source).cloned().unwrap_or_else(|| json!({}));
-        if let Some(converted) = reads_sets_of.and_then(|material| self.converted.get(&material)) {
-            move_sets(&mut material, &converted.sets, usize::MAX);
+        if let Some(sets) = reads_sets_of.and_then(|material| self.sets(material)) {
+            move_sets(&mut material, sets, usize::MAX);
         }
         draft.materials.push(material);
         let copy = draft.materials.len() - 1;
@@ -96,8 +120,9 @@ impl Materials {
     /// Finds which sets of the source each converted material still needs, and moves them.
     fn settle_sets(&mut self, draft: &mut Draft<'_>, finished: &Finished, first_new: usize) {
         let mut needs: BTreeMap<usize, Needs> = BTreeMap::new();
-        for material in self.converted.keys() {
-            needs.entry(*material).or_default().add(at(&mut draft.materials, *material), first_new);
+        for (&(material, _), converted) in &self.converted {
+            let material = needs.entry(material).or_default();
+            material.add(at(&mut draft.materials, converted.number), first_new);
         }
         for piece in &finished.primitives {
             let Some(needs) = needs.get_mut(&piece.material) else { continue };
@@ -107,11 +132,11 @@ impl Materials {
                 }
             }
         }
-        for (material, needs) in needs {
-            let Some(converted) = self.converted.get_mut(&material) else { continue };
-            converted.sets = needs.sets.into_iter().collect();
+        for (&(material, _), converted) in &mut self.converted {
+            let Some(needs) = needs.get(&material) else { continue };
+            converted.sets = needs.sets.iter().copied().collect();
             converted.keeps_tangents = needs.tangents;
-            move_sets(at(&mut draft.materials, material), &converted.sets, first_new);
+            move_sets(at(&mut draft.materials, converted.number), &converted.sets, first_new);
         }
     }
 }
@@ -154,29 +179,29 @@ fn move_sets(material: &mut Value, sets: &[usize], first_new: usize) {
     });
 }
 
+/// Adds the images of a texture and shows it in glTF materials, at least one.
 fn add_texture(
     draft: &mut Draft<'_>,
-    (material_number, texture): (usize, &FinishedTexture),
+    (texture, shown): (&FinishedTexture, &[usize]),
     levels: Vec<Vec<u8>>,
     sampler: usize,
 ) {
     let number = draft.textures.len();
     let channel = texture.slots[0].gltf_name().trim_end_matches("Texture");
-    let material = object(at(&mut draft.materials, material_number));
-    let name = match material.get("name").and_then(Value::as_str).filter(|name| !name.is_empty()) {
-        Some(name) => format!("{name} {channel}"),
-        None => format!("material {material_number} {channel}"),
-    };
+    let name = format!("{} {channel}", parts::name(draft, shown[0]));
     let mut source_name = None;
-    for slot in &texture.slots {
-        let mut info = &mut *material;
-        for step in slot_path(*slot) {
-            info = member(info, step);
+    for &material in shown {
+        let material = object(at(&mut draft.materials, material));
+        for slot in &texture.slots {
+            let mut info = &mut *material;
+            for step in slot_path(*slot) {
+                info = member(info, step);
+            }
+            let source = info.insert("index".to_owned(), number.into());
+            source_name = source_name.or(source);
+            info.remove("texCoord");
+            remove_extension(info, "KHR_texture_transform");
         }
-        let source = info.insert("index".to_owned(), number.into());
-        source_name = source_name.or(source);
-        info.remove("texCoord");
-        remove_extension(info, "KHR_texture_transform");
     }
     let levels: Vec<usize> = levels
         .into_iter()

@@ -8,13 +8,17 @@ mod compact;
 mod coordinates;
 mod draft;
 mod extensions;
+mod geometry;
 mod images;
 mod materials;
+mod meshes;
+mod parts;
 mod primitives;
 mod references;
 #[cfg(test)]
 mod tests;
 pub mod textures;
+mod united;
 mod vertices;
 
 use std::collections::BTreeMap;
@@ -27,6 +31,7 @@ use crate::watch::{Stage, Watch, check};
 use draft::Draft;
 pub use images::png;
 use materials::Materials;
+use meshes::MeshTarget;
 
 /// One file of a bundle.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,7 +54,9 @@ pub struct Glb {
 /// A converted material belongs to the converted primitives alone: a primitive that shares it without
 /// having faces to convert (points, lines), and a `KHR_materials_variants` mapping of a converted
 /// primitive, get a copy of the source's material at the end of `materials`, with the source's
-/// textures. What cannot be kept is named by [`losses`].
+/// textures. Parts of a material beyond the first are copies of it there, and of the primitives at the end of their
+/// mesh. Materials that share their textures and differ in nothing but their names become one, and so do primitives of
+/// theirs that differ in nothing but geometry. What cannot be kept is named by [`losses`].
 ///
 /// # Errors
 /// `Canceled`; `InvalidModel` where a part of the source that has to be kept lies outside of its
@@ -86,19 +93,12 @@ pub fn glb_of(asset: &Asset, finished: &Finished, pngs: Pngs, watch: &dyn Watch)
     let converted = converted_primitives(asset, finished)?;
     let mut materials = Materials::convert(&mut draft, asset, finished, pngs)?;
     let mut vertex_count = 0;
-    for (mesh, source) in asset.meshes.iter().enumerate() {
-        for (primitive, plain) in source.primitives.iter().enumerate() {
-            check(watch)?;
-            let target = primitives::Target { asset, finished, mesh, primitive };
-            vertex_count += match converted.get(&(mesh, primitive)) {
-                Some(piece) => target.write_converted(&mut draft, &mut materials, piece)?,
-                None => {
-                    target.write_source(&mut draft, &mut materials)?;
-                    plain.positions.len()
-                }
-            } as u64;
-        }
+    for mesh in 0..asset.meshes.len() {
+        let pieces = converted.get(&mesh).map_or(&[][..], Vec::as_slice);
+        let target = MeshTarget { asset, finished, mesh, pieces };
+        vertex_count += target.write(&mut draft, &mut materials, watch)?;
     }
+    united::sweep(&mut draft, &materials.united);
     compact::sweep(&mut draft, &asset.document)?;
     extensions::settle(&mut draft, !converted.is_empty());
     check(watch)?;
@@ -110,13 +110,13 @@ pub fn losses(asset: &Asset, finished: &Finished) -> Vec<Warning> {
     primitives::losses(asset, finished)
 }
 
-/// The primitives with triangles by mesh and primitive, checked against the asset. One without
+/// The primitives with triangles by mesh, in order of primitive and part, checked against the asset. One without
 /// triangles is written as it came, because an accessor cannot be empty.
 fn converted_primitives<'a>(
     asset: &Asset,
     finished: &'a Finished,
-) -> Result<BTreeMap<(usize, usize), &'a FinishedPrimitive>> {
-    let mut converted = BTreeMap::new();
+) -> Result<BTreeMap<usize, Vec<&'a FinishedPrimitive>>> {
+    let mut converted: BTreeMap<usize, Vec<&FinishedPrimitive>> = BTreeMap::new();
     for piece in &finished.primitives {
         let place = format!("/meshes/{}/primitives/{}", piece.mesh, piece.primitive);
         let source = asset
@@ -133,8 +133,11 @@ fn converted_primitives<'a>(
             return Err(Error::internal("frames and triangles differ in number").at(place));
         }
         if !piece.triangles.is_empty() {
-            converted.insert((piece.mesh, piece.primitive), piece);
+            converted.entry(piece.mesh).or_default().push(piece);
         }
+    }
+    for pieces in converted.values_mut() {
+        pieces.sort_by_key(|piece| (piece.primitive, piece.part));
     }
     Ok(converted)
 }

@@ -1,17 +1,16 @@
 //! One primitive: converted, or as the source has it.
 
-use glam::{Vec2, Vec4};
 use serde_json::{Map, Value};
 
-use crate::asset::{Asset, Attribute, Primitive};
+use crate::asset::{Asset, Primitive};
 use crate::error::{Error, Result, Warning};
-use crate::finished::{Coordinates, EXTENSION, Finished, FinishedPrimitive};
+use crate::finished::{Coordinates, EXTENSION, Finished};
 
-use super::alike::{self, Kept};
 use super::coordinates;
 use super::draft::{Draft, index, member, remove_extension};
-use super::materials::{Converted, Materials, variants};
-use super::vertices::{self, Corners};
+use super::geometry::{Geometry, Member, arrays, passed_on};
+use super::materials::{Materials, variants};
+use super::vertices;
 
 /// glTF's mode for loose points.
 const POINTS: u32 = 0;
@@ -24,6 +23,38 @@ pub struct Target<'a> {
     pub primitive: usize,
 }
 
+/// What is written in one primitive.
+pub struct Group<'a> {
+    /// At least one; all fit.
+    pub members: Vec<Member<'a>>,
+    /// What the first one's primitive has besides its geometry.
+    pub rest: Map<String, Value>,
+}
+
+impl<'a> Group<'a> {
+    /// Whether a member can join: nothing but geometry differs. A primitive with variants stays alone.
+    pub fn takes(&self, other: &Member<'a>, rest: &Map<String, Value>) -> bool {
+        let Some(first) = self.members.first() else { return false };
+        let but_material = |rest: &Map<String, Value>| {
+            let mut rest = rest.clone();
+            rest.remove("material");
+            rest
+        };
+        first.fits(other) && variants(rest).is_empty() && but_material(&self.rest) == but_material(rest)
+    }
+}
+
+/// All of a primitive but its geometry.
+pub fn rest_of(primitive: &Map<String, Value>) -> Map<String, Value> {
+    let mut rest = primitive.clone();
+    for replaced in ["attributes", "indices", "targets", "mode"] {
+        rest.remove(replaced);
+    }
+    remove_extension(&mut rest, "KHR_draco_mesh_compression");
+    remove_extension(&mut rest, EXTENSION);
+    rest
+}
+
 impl Target<'_> {
     fn source(&self) -> &Primitive {
         &self.asset.meshes[self.mesh].primitives[self.primitive]
@@ -33,32 +64,26 @@ impl Target<'_> {
         format!("/meshes/{}/primitives/{}", self.mesh, self.primitive)
     }
 
-    /// Replaces geometry and coordinates by the converted ones; everything else in the primitive stays. Returns
-    /// the number of vertices.
+    /// Puts a converted primitive at `slot` of the mesh: geometry and coordinates are new, everything else is the
+    /// source's. Returns the number of vertices.
     pub fn write_converted(
         &self,
         draft: &mut Draft<'_>,
         materials: &mut Materials,
-        piece: &FinishedPrimitive,
+        group: &Group<'_>,
+        slot: usize,
     ) -> Result<usize> {
-        let converted = materials.converted(piece.material).ok_or_else(|| {
-            Error::internal("a converted primitive's material has no converted texture").at(self.place())
-        })?;
-        let framed = !piece.frames.is_empty();
-        let kept =
-            Kept { normals: !framed, tangents: !framed && converted.keeps_tangents, sets: &converted.sets };
-        let corners = Corners::distinct(piece, &alike::firsts(self.source(), &kept));
-        let attributes = self.converted_attributes(draft, converted, &corners, &piece.coordinates);
-        let targets = self.targets(draft, converted, &corners);
-        let indices = vertices::add_indices(draft, &corners.indices, corners.corners.len());
-        let cuts = self.cuts(draft, piece)?;
+        let Some(Member { piece, converted, .. }) = group.members.first() else {
+            return Err(Error::internal("nothing stands in a primitive").at(self.place()));
+        };
+        let geometry = Geometry::new(&group.members);
+        let attributes = geometry.add_attributes(draft);
+        let targets = geometry.add_targets(draft);
+        let indices = geometry.add_indices(draft);
+        let cuts = geometry.add_cuts(draft, self.finished).map_err(|error| error.at(self.place()))?;
 
-        let json = draft.primitive(self.mesh, self.primitive);
-        for replaced in ["attributes", "indices", "targets", "mode"] {
-            json.remove(replaced);
-        }
-        remove_extension(json, "KHR_draco_mesh_compression");
-        remove_extension(json, EXTENSION);
+        let json = draft.primitive(self.mesh, slot);
+        json.clone_from(&group.rest);
         json.insert("attributes".to_owned(), Value::Object(attributes));
         json.insert("indices".to_owned(), indices.into());
         json.insert("material".to_owned(), piece.material.into());
@@ -75,14 +100,15 @@ impl Target<'_> {
         if !own.is_empty() {
             member(json, "extensions").insert(EXTENSION.to_owned(), Value::Object(own));
         }
-        self.move_materials(draft, |draft, material| {
+        let number = converted.number;
+        self.move_materials(slot, draft, |draft, material| {
             if material == piece.material {
-                material
+                number
             } else {
                 materials.copy(draft, material, Some(piece.material))
             }
         });
-        Ok(corners.corners.len())
+        Ok(geometry.vertex_count())
     }
 
     /// Leaves a glTF primitive as it is; one of a made-up document gets its data.
@@ -92,12 +118,8 @@ impl Target<'_> {
         if !has_data {
             self.write_data(draft)?;
         }
-        self.move_materials(draft, |draft, material| {
-            if materials.converted(material).is_some() {
-                materials.copy(draft, material, None)
-            } else {
-                material
-            }
+        self.move_materials(self.primitive, draft, |draft, material| {
+            if materials.is_converted(material) { materials.copy(draft, material, None) } else { material }
         });
         Ok(())
     }
@@ -122,7 +144,9 @@ impl Target<'_> {
             add(&format!("TEXCOORD_{set}"), vertices::add_floats(draft, &arrays(values)));
         }
         for attribute in passed_on(source) {
-            add(&attribute.semantic, vertices::add_attribute(draft, attribute, &vertices));
+            if let Some(accessor) = vertices::add_attribute(draft, &[(attribute, &vertices)]) {
+                add(&attribute.semantic, accessor);
+            }
         }
         let triangles = source.faces.iter().flat_map(|face| {
             let corners = face.corners;
@@ -142,108 +166,20 @@ impl Target<'_> {
         Ok(())
     }
 
-    fn converted_attributes(
-        &self,
-        draft: &mut Draft<'_>,
-        converted: &Converted,
-        corners: &Corners,
-        coordinates: &Coordinates,
-    ) -> Map<String, Value> {
-        let source = self.source();
-        let vertices = corners.vertices();
-        let frames: Option<Vec<_>> = corners.corners.iter().map(|corner| corner.frame).collect();
-        let mut attributes = Map::new();
-        let mut add = |name: &str, accessor: usize| attributes.insert(name.to_owned(), accessor.into());
-        add("POSITION", vertices::add_positions(draft, &pick(&source.positions, &vertices)));
-        match frames {
-            Some(frames) => {
-                let normals: Vec<_> = frames.iter().map(|frame| frame.normal.to_array()).collect();
-                let tangents: Vec<_> = frames.iter().map(|frame| frame.tangent.to_array()).collect();
-                add("NORMAL", vertices::add_floats(draft, &normals));
-                add("TANGENT", vertices::add_floats(draft, &tangents));
-            }
-            None => {
-                if !source.normals.is_empty() {
-                    let normals = pick(&source.normals, &vertices);
-                    add("NORMAL", vertices::add_floats(draft, &arrays(&normals)));
-                }
-                if !source.tangents.is_empty() && converted.keeps_tangents {
-                    let tangents: Vec<Vec4> = pick(&source.tangents, &vertices);
-                    add("TANGENT", vertices::add_floats(draft, &arrays(&tangents)));
-                }
-            }
-        }
-        let places = coordinates::texcoords(coordinates, &corners.corners, converted.size);
-        add("TEXCOORD_0", vertices::add_floats(draft, &places));
-        for (place, set) in converted.sets.iter().enumerate() {
-            // A set that the primitive lacks reads (0, 0), but the sets behind it need it in the file.
-            let values = match source.texcoords.get(*set).filter(|values| !values.is_empty()) {
-                Some(values) => pick(values, &vertices),
-                None => vec![Vec2::ZERO; vertices.len()],
-            };
-            add(&format!("TEXCOORD_{}", place + 1), vertices::add_floats(draft, &arrays(&values)));
-        }
-        for attribute in passed_on(source) {
-            add(&attribute.semantic, vertices::add_attribute(draft, attribute, &vertices));
-        }
-        coordinates::add(draft, &corners.corners, &mut attributes);
-        attributes
-    }
-
-    fn targets(&self, draft: &mut Draft<'_>, converted: &Converted, corners: &Corners) -> Vec<Value> {
-        let vertices = corners.vertices();
-        let framed = corners.corners.first().is_some_and(|corner| corner.frame.is_some());
-        let source = self.source();
-        let mut targets = Vec::with_capacity(source.targets.len());
-        for target in &source.targets {
-            let mut json = Map::new();
-            for attribute in &target.attributes {
-                let keeps_tangents = !framed && converted.keeps_tangents;
-                let Some(name) = target_name(attribute, &converted.sets, keeps_tangents) else { continue };
-                let accessor = vertices::add_attribute(draft, attribute, &vertices);
-                json.insert(name, accessor.into());
-            }
-            if json.is_empty() {
-                // glTF has no empty target, and weights count on its place in the row.
-                let zeros = vertices::add_zero_positions(draft, vertices.len());
-                json.insert("POSITION".to_owned(), zeros.into());
-            }
-            targets.push(Value::Object(json));
-        }
-        targets
-    }
-
-    fn cuts(&self, draft: &mut Draft<'_>, piece: &FinishedPrimitive) -> Result<Map<String, Value>> {
-        let mut cuts = Map::new();
-        for cut in piece.cuts.iter().filter(|cut| cut.bits.iter().any(|bits| *bits != 0)) {
-            let texture = self.finished.textures.get(cut.texture);
-            let texture = texture.filter(|texture| {
-                texture.is_of(piece.material, piece.part) && cut.bits.len() == piece.triangles.len()
-            });
-            let texture = texture.ok_or_else(|| {
-                Error::internal("cuts do not fit their primitive's material and triangles").at(self.place())
-            })?;
-            let accessor = vertices::add_bytes(draft, &cut.bits);
-            for slot in &texture.slots {
-                cuts.insert(slot.gltf_name().to_owned(), accessor.into());
-            }
-        }
-        Ok(cuts)
-    }
-
     /// Changes every material that the primitive names, variants too.
     fn move_materials<'d>(
         &self,
+        slot: usize,
         draft: &mut Draft<'d>,
         mut moved: impl FnMut(&mut Draft<'d>, usize) -> usize,
     ) {
-        let json = draft.primitive(self.mesh, self.primitive);
+        let json = draft.primitive(self.mesh, slot);
         let own = json.get("material").and_then(Value::as_u64).map(|own| own as usize);
         let mapped = variants(json);
         let own = own.map(|own| moved(draft, own));
         let mut mapped =
             mapped.into_iter().map(|variant| moved(draft, variant)).collect::<Vec<_>>().into_iter();
-        let json = draft.primitive(self.mesh, self.primitive);
+        let json = draft.primitive(self.mesh, slot);
         if let Some(own) = own {
             json.insert("material".to_owned(), own.into());
         }
@@ -262,7 +198,9 @@ impl Target<'_> {
 /// See [`super::losses`].
 pub fn losses(asset: &Asset, finished: &Finished) -> Vec<Warning> {
     let mut warning: Option<Warning> = None;
-    for piece in finished.primitives.iter().filter(|piece| !piece.frames.is_empty()) {
+    let mut pieces: Vec<_> = finished.primitives.iter().filter(|piece| !piece.frames.is_empty()).collect();
+    pieces.dedup_by_key(|piece| (piece.mesh, piece.primitive));
+    for piece in pieces {
         let source = asset.meshes.get(piece.mesh).and_then(|mesh| mesh.primitives.get(piece.primitive));
         let has_tangents = source.is_some_and(|source| {
             source.targets.iter().flat_map(|target| &target.attributes).any(|a| a.semantic == "TANGENT")
@@ -282,30 +220,4 @@ pub fn losses(asset: &Asset, finished: &Finished) -> Vec<Warning> {
         warning.get_or_insert(blank).count += 1;
     }
     warning.into_iter().collect()
-}
-
-/// Attributes that are copied vertex by vertex; an earlier conversion's coordinates are not.
-fn passed_on(source: &Primitive) -> impl Iterator<Item = &Attribute> {
-    source.attributes.iter().filter(|attribute| !attribute.semantic.starts_with("_MCT_"))
-}
-
-/// The name of a morph target's attribute in the file, or `None` where what it moves was replaced.
-fn target_name(attribute: &Attribute, sets: &[usize], keeps_tangents: bool) -> Option<String> {
-    match attribute.semantic.strip_prefix("TEXCOORD_") {
-        Some(set) => {
-            let set: usize = set.parse().ok()?;
-            let place = sets.iter().position(|own| *own == set)?;
-            Some(format!("TEXCOORD_{}", place + 1))
-        }
-        None if attribute.semantic == "TANGENT" && !keeps_tangents => None,
-        None => Some(attribute.semantic.clone()),
-    }
-}
-
-fn pick<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
-    vertices.iter().map(|vertex| values[*vertex as usize]).collect()
-}
-
-fn arrays<T: Copy + Into<[f32; N]>, const N: usize>(values: &[T]) -> Vec<[f32; N]> {
-    values.iter().map(|value| (*value).into()).collect()
 }

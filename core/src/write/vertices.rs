@@ -142,14 +142,30 @@ pub fn add_zero_positions(draft: &mut Draft<'_>, count: usize) -> usize {
     )
 }
 
-/// Adds an attribute's elements of the given vertices, each padded to four bytes.
-pub fn add_attribute(draft: &mut Draft<'_>, attribute: &Attribute, vertices: &[u32]) -> usize {
+/// Adds all elements of an attribute.
+pub fn add_whole(draft: &mut Draft<'_>, attribute: &Attribute) -> usize {
+    let count = attribute.bytes.len() / attribute.element_bytes.max(1);
+    let all: Vec<u32> = (0..count as u32).collect();
+    add_run(draft, attribute, &[(attribute, &all)])
+}
+
+/// Adds an attribute's elements of the given vertices, each padded to four bytes. Runs are of one kind, each with an
+/// attribute of its own; without runs nothing is added.
+pub fn add_attribute(draft: &mut Draft<'_>, runs: &[(&Attribute, &[u32])]) -> Option<usize> {
+    let (first, _) = runs.first()?;
+    Some(add_run(draft, first, runs))
+}
+
+fn add_run(draft: &mut Draft<'_>, attribute: &Attribute, runs: &[(&Attribute, &[u32])]) -> usize {
     let size = attribute.element_bytes;
     let stride = size.div_ceil(4) * 4;
-    let mut bytes = Vec::with_capacity(vertices.len() * stride);
-    for vertex in vertices {
+    let count: usize = runs.iter().map(|(_, vertices)| vertices.len()).sum();
+    let mut bytes = Vec::with_capacity(count * stride);
+    for (own, vertex) in
+        runs.iter().flat_map(|(own, vertices)| vertices.iter().map(move |vertex| (own, vertex)))
+    {
         let start = *vertex as usize * size;
-        let element = attribute.bytes.get(start..start + size).unwrap_or_default();
+        let element = own.bytes.get(start..start + size).unwrap_or_default();
         bytes.extend_from_slice(element);
         bytes.resize(bytes.len() + stride - element.len(), 0);
     }
@@ -158,7 +174,7 @@ pub fn add_attribute(draft: &mut Draft<'_>, attribute: &Attribute, vertices: &[u
     let mut accessor = json!({
         "bufferView": view,
         "componentType": attribute.component_type,
-        "count": vertices.len(),
+        "count": count,
         "type": attribute.kind,
     });
     if attribute.normalized {

@@ -3,7 +3,8 @@
 mod sample;
 
 use meshcolor::asset::{AlphaMode, Slot};
-use meshcolor::finished::{Anchor, Finished};
+use meshcolor::finished::{Anchor, Finished, FinishedPrimitive};
+use meshcolor::image::Pixels;
 
 use super::picture::differences;
 use super::scene::surface::Look;
@@ -65,6 +66,55 @@ fn step_at_the_middle(picture: &Picture) -> u8 {
     let rows = height / 4..height * 3 / 4;
     let steps = rows.flat_map(|y| (0..3).map(move |c| (y, c)));
     steps.map(|(y, c)| code(width / 2 - 2, y, c).abs_diff(code(width / 2 + 2, y, c))).max().unwrap_or(0)
+}
+
+/// Every other block in a part of its own, with images of another size.
+fn in_parts(mut conversion: Conversion) -> Conversion {
+    let whole = conversion.finished;
+    let mut textures = whole.textures.clone();
+    for texture in &whole.textures {
+        let mut second = texture.clone();
+        second.part = 1;
+        for image in &mut second.levels {
+            let Pixels::U8(codes) = &mut image.pixels else { panic!("8 bits") };
+            codes.extend(vec![7; (image.width * u32::from(image.components)) as usize]);
+            image.height += 1;
+        }
+        textures.push(second);
+    }
+    let piece = &whole.primitives[0];
+    let part = |part: usize| {
+        let numbers: Vec<usize> =
+            (0..piece.triangles.len()).filter(|number| number / 2 % 2 == part).collect();
+        FinishedPrimitive {
+            part,
+            triangles: numbers.iter().map(|&number| piece.triangles[number]).collect(),
+            frames: numbers.iter().map(|&number| piece.frames[number]).collect(),
+            ..piece.clone()
+        }
+    };
+    conversion.finished = Finished { textures, primitives: vec![part(0), part(1)] };
+    conversion
+}
+
+#[test]
+fn a_ball_in_parts_looks_as_one_of_one_part() {
+    for ball in [sample::ball, sample::indexed_ball] {
+        let (whole, parts) = (ball(), in_parts(ball()));
+        assert_eq!(whole.finished.primitives.len() + 1, parts.finished.primitives.len());
+        for level in [0, 3] {
+            let [whole, parts] = [&whole, &parts].map(|conversion| seam_pictures(conversion, level));
+            assert!(whole[1].rgb == parts[1].rgb, "level {level}");
+        }
+    }
+    // Without the second part's own textures it would not.
+    let mut wrong = in_parts(sample::ball());
+    for image in &mut wrong.finished.textures[2].levels {
+        if let Pixels::U8(codes) = &mut image.pixels {
+            codes.fill(0);
+        }
+    }
+    assert!(seam_pictures(&wrong, 0)[1].rgb != seam_pictures(&sample::ball(), 0)[1].rgb);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::watch::Unwatched;
 use crate::write::glb;
 
 /// The sheet with a document to write it into.
-fn sheet() -> (Asset, Finished) {
+pub fn sheet() -> (Asset, Finished) {
     let (mut asset, finished) = hand_made::sheet();
     let file =
         EncodedImage { media_type: "image/png".into(), bytes: crate::write::png(&asset.images[0]).unwrap() };

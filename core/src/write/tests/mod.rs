@@ -4,7 +4,9 @@ mod fixture;
 mod indexed;
 mod lies;
 mod parse;
+mod parts;
 mod special;
+mod united;
 
 use glam::Vec2;
 

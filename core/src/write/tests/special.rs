@@ -10,7 +10,7 @@ use crate::watch::Unwatched;
 use crate::write::glb;
 
 /// Two primitives of one mesh, as they come from a text format: no accessors, a quad and a triangle.
-fn made_up_document() -> Asset {
+pub fn made_up_document() -> Asset {
     let primitive = |material| Primitive {
         material: Some(material),
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y, Vec3::new(0.5, 2.0, 0.0)],
@@ -41,7 +41,7 @@ fn made_up_document() -> Asset {
     }
 }
 
-fn finished(asset: &Asset) -> Finished {
+pub fn finished(asset: &Asset) -> Finished {
     let mut finished = fixture::finished(&parse::asset(&fixture::source_glb()));
     finished.textures.truncate(1);
     let source = &asset.meshes[0].primitives[0];

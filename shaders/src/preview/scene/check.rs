@@ -1,7 +1,7 @@
 //! One look at every index of the finished conversion before anything is drawn by it.
 
 use meshcolor::asset::Asset;
-use meshcolor::finished::{Finished, FinishedPrimitive};
+use meshcolor::finished::{Finished, FinishedPrimitive, faces_of};
 use meshcolor::image::{Image, Pixels};
 
 use crate::preview::PreviewError;
@@ -37,6 +37,12 @@ fn check_primitive(asset: &Asset, finished: &FinishedPrimitive) -> Result<(), &'
     let vertex_count = primitive.positions.len();
     if finished.triangles.iter().flat_map(|t| t.vertices).any(|v| v as usize >= vertex_count) {
         return Err("a vertex of converted primitive");
+    }
+    if asset.materials.get(finished.material).is_none() {
+        return Err("material of converted primitive");
+    }
+    if faces_of(primitive, finished.triangles.iter().map(|t| t.vertices)).is_none() {
+        return Err("a triangle of converted primitive");
     }
     if !finished.frames.is_empty() && finished.frames.len() != finished.triangles.len() {
         return Err("frames of converted primitive");

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3, Vec4};
 use meshcolor::asset::{Primitive, Slot};
-use meshcolor::finished::{Anchor, FinishedPrimitive};
+use meshcolor::finished::{Anchor, FinishedPrimitive, faces_of};
 use meshcolor::source::tangents;
 
 use super::surface::{Coordinate, Surface};
@@ -204,10 +204,15 @@ impl<'a> Frames<'a> {
             let (texcoord, transform) =
                 set.map_or_else(Default::default, |set| (set.texcoord, set.transform));
             let by_face = tangents::frames(primitive, texcoord, transform);
-            // Drawn triangles stand in face order on both sides.
-            frames.generated = (primitive.faces.iter().zip(&by_face))
-                .flat_map(|(face, frames)| {
-                    face.triangles().iter().map(|t| t.map(|corner| frames[corner].tangent))
+            // A piece of a conversion may lack some of the faces.
+            let faces = faces_of(primitive, triangles.iter().copied()).unwrap_or_default();
+            frames.generated = (triangles.iter().zip(faces))
+                .map(|(triangle, face)| {
+                    let (face, frames) = (&primitive.faces[face as usize], &by_face[face as usize]);
+                    triangle.map(|vertex| {
+                        let corner = face.corners().iter().position(|own| *own == vertex);
+                        frames[corner.unwrap_or(0)].tangent
+                    })
                 })
                 .collect();
         }

@@ -59,15 +59,20 @@ pub struct Scene<'a> {
     pub textures: Vec<Texture<'a>>,
     source: Surfaces,
     converted: Surfaces,
-    converted_primitives: BTreeMap<(usize, usize), &'a FinishedPrimitive>,
-    /// By material: of indexed coordinates, which its primitives have in common.
-    tables: BTreeMap<usize, Arc<MctBlockTable>>,
+    /// By mesh and primitive: its pieces, one for each part of its material that it has faces in.
+    converted_primitives: BTreeMap<(usize, usize), Vec<&'a FinishedPrimitive>>,
+    /// By material and part: of indexed coordinates, which its primitives have in common.
+    tables: BTreeMap<(usize, usize), Arc<MctBlockTable>>,
     /// How many of `Asset::instances`, from the first, are drawn.
     pub drawn_instance_count: usize,
 }
 
-/// By material; `None` is the default one. Materials that nothing uses are not there.
-type Surfaces = BTreeMap<Option<usize>, Surface>;
+/// By material and part; `None` is the default one. Materials that nothing uses are not there, and of the source only
+/// parts 0.
+type Surfaces = BTreeMap<(Option<usize>, usize), Surface>;
+
+/// What pieces may be drawn together by: the surface, and whether it is converted.
+type BatchKey = (Option<usize>, usize, bool);
 
 impl<'a> Scene<'a> {
     /// # Errors
@@ -79,21 +84,24 @@ impl<'a> Scene<'a> {
         for mesh in &asset.meshes {
             for primitive in mesh.primitives.iter().filter(|primitive| !primitive.faces.is_empty()) {
                 let material = primitive.material;
-                source.entry(material).or_insert_with(|| Surface::new(&mut list, asset, None, material));
-                converted
-                    .entry(material)
-                    .or_insert_with(|| Surface::new(&mut list, asset, Some(finished), material));
+                source.entry((material, 0)).or_insert_with(|| Surface::new(&mut list, asset, None, material));
             }
         }
-        let converted_primitives =
-            finished.primitives.iter().map(|primitive| ((primitive.mesh, primitive.primitive), primitive));
+        let mut converted_primitives: BTreeMap<_, Vec<_>> = BTreeMap::new();
+        for piece in &finished.primitives {
+            converted_primitives.entry((piece.mesh, piece.primitive)).or_default().push(piece);
+            let (material, part) = (Some(piece.material), piece.part);
+            converted
+                .entry((material, part))
+                .or_insert_with(|| Surface::new(&mut list, asset, Some((finished, part)), material));
+        }
         Ok(Self {
             asset,
             finished,
             textures: list.textures,
             source,
             converted,
-            converted_primitives: converted_primitives.collect(),
+            converted_primitives,
             tables: tables(finished),
             drawn_instance_count: drawn_instances(asset),
         })
@@ -114,19 +122,17 @@ impl<'a> Scene<'a> {
     /// The batches of one side as a camera sees them, one for each surface, blended ones last.
     pub fn batches(&self, subject: Subject, camera: &Camera, side: Side, look: Look) -> Vec<Batch> {
         let mut merged: Vec<Batch> = Vec::new();
-        let mut numbers: BTreeMap<(Option<usize>, bool), usize> = BTreeMap::new();
+        let mut numbers: BTreeMap<BatchKey, usize> = BTreeMap::new();
         let mut add = |mesh: usize, to_world: DAffine3, keep| {
             let to_view = camera.to_view * to_world;
             for number in 0..self.asset.meshes[mesh].primitives.len() {
-                let Some((key, batch)) = self.batch(mesh, number, Placed { to_view, keep }, side, look)
-                else {
-                    continue;
-                };
-                match numbers.get(&key) {
-                    Some(known) => merged[*known].records.extend(batch.records),
-                    None => {
-                        numbers.insert(key, merged.len());
-                        merged.push(batch);
+                for (key, batch) in self.batches_of((mesh, number), Placed { to_view, keep }, side, look) {
+                    match numbers.get(&key) {
+                        Some(known) => merged[*known].records.extend(batch.records),
+                        None => {
+                            numbers.insert(key, merged.len());
+                            merged.push(batch);
+                        }
                     }
                 }
             }
@@ -143,26 +149,39 @@ impl<'a> Scene<'a> {
         merged
     }
 
-    /// A batch with what it may be merged by: its material, and whether it is converted.
-    fn batch(
+    /// The batches of a primitive: one, or on the converted side one for each of its pieces.
+    fn batches_of(
         &self,
-        mesh: usize,
-        number: usize,
+        place: (usize, usize),
         placed: Placed,
         side: Side,
         look: Look,
-    ) -> Option<((Option<usize>, bool), Batch)> {
+    ) -> Vec<(BatchKey, Batch)> {
+        let pieces = self.converted_primitives.get(&place).filter(|_| side == Side::Converted);
+        let batch = |finished| self.batch(place, finished, placed, look);
+        match pieces {
+            Some(pieces) => pieces.iter().filter_map(|piece| batch(Some(*piece))).collect(),
+            None => batch(None).into_iter().collect(),
+        }
+    }
+
+    fn batch(
+        &self,
+        (mesh, number): (usize, usize),
+        finished: Option<&FinishedPrimitive>,
+        placed: Placed,
+        look: Look,
+    ) -> Option<(BatchKey, Batch)> {
         let primitive = &self.asset.meshes[mesh].primitives[number];
-        let finished = match side {
-            Side::Source => None,
-            Side::Converted => self.converted_primitives.get(&(mesh, number)).copied(),
+        let (surfaces, material, part) = match finished {
+            Some(piece) => (&self.converted, Some(piece.material), piece.part),
+            None => (&self.source, primitive.material, 0),
         };
-        let surfaces = if finished.is_some() { &self.converted } else { &self.source };
-        let surface = surfaces.get(&primitive.material)?.reduced(look);
+        let surface = surfaces.get(&(material, part))?.reduced(look);
         let Placed { to_view, keep } = placed;
-        let table = finished.and_then(|finished| self.tables.get(&finished.material)).cloned();
+        let table = finished.and_then(|piece| self.tables.get(&(piece.material, piece.part))).cloned();
         let batch = batch(BatchInput { primitive, finished, table, surface, to_view, keep });
-        (batch.triangle_count() > 0).then_some(((primitive.material, finished.is_some()), batch))
+        (batch.triangle_count() > 0).then_some(((material, part, finished.is_some()), batch))
     }
 
     /// The first drawn instance of a mesh: mesh to world.
@@ -186,16 +205,18 @@ impl<'a> Scene<'a> {
     }
 }
 
-fn tables(finished: &Finished) -> BTreeMap<usize, Arc<MctBlockTable>> {
+fn tables(finished: &Finished) -> BTreeMap<(usize, usize), Arc<MctBlockTable>> {
     let mut tables = BTreeMap::new();
     for primitive in &finished.primitives {
         if let Coordinates::Indexed(table) = &primitive.coordinates {
-            tables.entry(primitive.material).or_insert_with(|| Arc::new(MctBlockTable::new(table)));
+            let place = (primitive.material, primitive.part);
+            tables.entry(place).or_insert_with(|| Arc::new(MctBlockTable::new(table)));
         }
     }
     tables
 }
 
+#[derive(Clone, Copy)]
 struct Placed {
     to_view: DAffine3,
     keep: Option<[DVec3; 2]>,

@@ -80,12 +80,12 @@ impl Surface {
         }
     }
 
-    /// A material (`None`: glTF's default one) on one side. The converted side reads a slot by mesh
+    /// A material (`None`: glTF's default one) on one side; on the converted one a part of it. The converted side reads a slot by mesh
     /// coordinate where that slot was converted and the primitive has such coordinates.
     pub fn new(
         list: &mut TextureList<'_>,
         asset: &Asset,
-        finished: Option<&Finished>,
+        finished: Option<(&Finished, usize)>,
         material: Option<usize>,
     ) -> Self {
         let Some(index) = material else { return Self::plain(&default_material()) };
@@ -93,8 +93,8 @@ impl Surface {
         let mut surface = Self::plain(material);
         for slot in Slot::ALL {
             let Some(reference) = material.slot(slot) else { continue };
-            let converted = finished.and_then(|finished| {
-                finished.textures.iter().position(|t| t.is_of(index, 0) && t.slots.contains(&slot))
+            let converted = finished.and_then(|(finished, part)| {
+                finished.textures.iter().position(|t| t.is_of(index, part) && t.slots.contains(&slot))
             });
             surface.bindings[slot as usize] = Some(match converted {
                 Some(texture) => Binding { texture, coordinate: Coordinate::Mesh },

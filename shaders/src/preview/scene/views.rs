@@ -130,15 +130,15 @@ fn half_height(scene: &Scene<'_>, focus: &Focus) -> f64 {
 /// Texels of level 0 per unit of length around the focus: over the triangles that have one of its ends.
 fn texels_per_unit(scene: &Scene<'_>, focus: &Focus) -> Option<f64> {
     let primitive = &scene.asset().meshes[focus.mesh].primitives[focus.primitive];
-    let finished = scene.finished().primitives.iter();
-    let finished = finished.into_iter().find(|f| f.mesh == focus.mesh && f.primitive == focus.primitive)?;
+    let pieces = scene.finished().primitives.iter();
+    let pieces = pieces.filter(|piece| (piece.mesh, piece.primitive) == (focus.mesh, focus.primitive));
     let (mut texels, mut length) = (0.0, 0.0);
-    for triangle in &finished.triangles {
+    for (piece, triangle) in pieces.flat_map(|piece| piece.triangles.iter().map(move |t| (piece, t))) {
         let at = triangle.vertices.map(|vertex| primitive.positions[vertex as usize]);
         if !at.iter().any(|position| focus.ends.contains(position)) {
             continue;
         }
-        let along = finished.coordinates.texels(triangle);
+        let along = piece.coordinates.texels(triangle);
         for corner in 0..3 {
             let next = (corner + 1) % 3;
             texels += f64::from(along[next].distance(along[corner]));
