@@ -1,7 +1,7 @@
 //! What placing the faces of a mesh takes, without anything that has to do with their colors: `cargo run --release -p
 //! meshcolor-core --example layout_time -- [FACES [OBJ]]`. The mesh is a bumpy sphere of about so many triangles (100 000 without
 //! a number) under a texture; it is also written to OBJ, for an atlas packer to work on the same. Prints one JSON object: processor seconds,
-//! each the least of some repeats. `docs/layout_time.py` runs it beside xatlas.
+//! each the mean of many repeats. `docs/layout_time.py` runs it beside xatlas.
 
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
@@ -17,7 +17,9 @@ use meshcolor::resample::{Resolution, find_cuts, pair_triangles, resolutions};
 use meshcolor::source::{SurfaceSource, channels};
 use meshcolor::watch::Unwatched;
 
-const REPEATS: usize = 5;
+/// Each step is repeated for so long, or so often.
+const SECONDS: f64 = 1.0;
+const REPEATS_MAX: u32 = 1000;
 /// Of the texture.
 const SIDE_TEXELS: u32 = 2048;
 
@@ -31,19 +33,19 @@ fn processor_seconds() -> f64 {
     nanoseconds.sum::<f64>() * 1e-9
 }
 
-/// The least that one of some repeats takes, and what the last one came to.
+/// What one of many repeats takes on the average, since the clock may stand still for some milliseconds, and what the last
+/// one came to.
 fn timed<T>(mut work: impl FnMut() -> T) -> (f64, T) {
-    let mut once = || {
-        let before = processor_seconds();
-        let done = work();
-        (processor_seconds() - before, done)
-    };
-    let mut best = once();
-    for _ in 1..REPEATS {
-        let (seconds, done) = once();
-        best = (best.0.min(seconds), done);
+    let before = processor_seconds();
+    let mut last = work();
+    for count in 1..REPEATS_MAX {
+        let seconds = processor_seconds() - before;
+        if seconds > SECONDS {
+            return (seconds / f64::from(count), last);
+        }
+        last = work();
     }
-    best
+    ((processor_seconds() - before) / f64::from(REPEATS_MAX), last)
 }
 
 /// A sphere of `4 n (n - 1)` triangles, each of its points a little out or in.
