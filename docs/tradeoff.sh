@@ -2,8 +2,10 @@
 # Makes the records of docs/tradeoff anew, and with them every picture, table and README line that comes
 # from them. Run it on a machine that does nothing else: it takes times.
 #
-#   docs/tradeoff.sh               all three models and the scaling bench
-#   docs/tradeoff.sh MODEL...      only these: sample, spot_control_mesh, DamagedHelmet, scaling
+#   docs/tradeoff.sh               all models and the scaling bench
+#   docs/tradeoff.sh MODEL...      only these: sample, spot_control_mesh, DamagedHelmet, Fox, spot_fine, scaling
+#
+# Of Fox and spot_fine only the curve of texels against error is shown, in docs/storage.md.
 #
 # REPEAT is how often each rung converts (3 without it); models are looked for in MESHCOLOR_ASSETS.
 set -euo pipefail
@@ -13,13 +15,13 @@ assets=${MESHCOLOR_ASSETS:-../shared/assets}
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 models=("$@")
-[ ${#models[@]} -gt 0 ] || models=(sample spot_control_mesh DamagedHelmet scaling)
+[ ${#models[@]} -gt 0 ] || models=(sample spot_control_mesh DamagedHelmet Fox spot_fine scaling)
 
 for model in "${models[@]}"; do
   case $model in
     sample) input=() ;;
-    spot_control_mesh) input=("$assets/spot/spot_control_mesh.obj") ;;
-    DamagedHelmet) input=("$assets/DamagedHelmet.glb") ;;
+    spot_control_mesh | spot_fine) input=("$assets/spot/$model.obj") ;;
+    DamagedHelmet | Fox) input=("$assets/$model.glb") ;;
     scaling)
       MESHCOLOR_WRITE_DOCS=1 cargo bench -p meshcolor --bench scaling -- --rungs-most 100000
       continue

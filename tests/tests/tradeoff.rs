@@ -8,12 +8,15 @@ use meshcolor::pipeline::{Options, convert};
 use meshcolor::read::{Limits, Upload};
 use meshcolor::watch::Unwatched;
 use meshcolor_service::tradeoff::{
-    self, End, Errors, HOME, Plan, Tradeoff, UnitErrors, figure, headline, runs_table, time,
+    self, End, Errors, HOME, Plan, PointEnd, Tradeoff, UnitErrors, curve_headline, figure, headline,
+    runs_table, time,
 };
 use meshcolor_service::{plot, scaling};
 use meshcolor_tests::repository::{file, hold, markdown, root, writes_documents};
 
 const MODELS: [&str; 3] = ["sample", "spot_control_mesh", "DamagedHelmet"];
+/// Whose curves of texels against error `docs/storage.md` shows.
+const CURVES: [&str; 5] = ["DamagedHelmet", "Fox", "sample", "spot_control_mesh", "spot_fine"];
 /// Another processor's arithmetic may move the last digits.
 const TOLERANCE: f64 = 1e-3;
 /// What it may change in a picture: mean and largest difference of a pixel, codes.
@@ -63,6 +66,39 @@ fn pictures_and_tables_are_what_the_records_say() {
         scaling::text(&scaling).trim_end()
     );
     hold("docs/tradeoff.md", "scaling", &text);
+}
+
+#[test]
+fn curves_are_what_the_records_say() {
+    let records = CURVES.map(record);
+    hold_picture("curves", &tradeoff::curves_svg(&records.each_ref()));
+    let curves = records.each_ref().map(|record| {
+        (record.model.as_str(), record.curve.as_ref().expect("no curve: run docs/tradeoff.sh"))
+    });
+    let headlines = curves.map(|(model, curve)| format!("- {model}: {}.\n", curve_headline(curve).unwrap()));
+    let shares =
+        curves[0].1.best().unwrap().points.iter().map(|point| format!("{} of the area", point.share));
+    let heading: Vec<String> = std::iter::once("fitted budgets, dB".to_owned()).chain(shares).collect();
+    let heading: Vec<&str> = heading.iter().map(String::as_str).collect();
+    let rows = curves.map(|(model, curve)| {
+        let cells = curve.best().unwrap().points.iter().map(|point| gain(&point.end));
+        std::iter::once(model.to_owned()).chain(cells).collect()
+    });
+    let text = format!(
+        "![Texels against error, five models](curves.png)\n\n{}\n{}",
+        headlines.concat(),
+        markdown(&heading, rows.into_iter())
+    );
+    hold("docs/storage.md", "curves", &text);
+    hold_picture("tradeoff/DamagedHelmet-curve", &tradeoff::curve_svg(&records[0]).unwrap());
+}
+
+/// Of base color over plain resampling; with several maps also the mean and the worst of all.
+fn gain(end: &PointEnd) -> String {
+    let PointEnd::Done(figures) = end else { return "refused".to_owned() };
+    let ([ours, plain], [mean, worst, _]) = (figures.color_psnr_db().unwrap(), figures.gains_db().unwrap());
+    let color = format!("{:+.1}", ours - plain);
+    if figures.maps.len() == 1 { color } else { format!("{color} ({mean:+.1}, {worst:+.1})") }
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! `meshcolor tradeoff`: one model by every rung, as a record, a table and a picture.
+//! `meshcolor tradeoff`: one model by every rung and by budgets of texels, as a record, tables and pictures.
 
 use std::io::{Write, stdout};
 use std::path::{Path, PathBuf};
@@ -21,15 +21,16 @@ use crate::{bundle, input, sample, work};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
-Runs the presets draft, standard and exact, and standard with each rung of each ladder in turn: 12 \
-conversions, one more where rungs are named. Writes tradeoff.json, tradeoff.md, tradeoff.svg and tradeoff.png. --cut holds for all \
-runs, and so does --resolution where it is not the preset's; A rung that cannot be had on the model is a row with \
-its reason. Times are CPU seconds of the process.")]
+Runs the presets draft, standard and exact, and standard with each rung of each ladder in turn: 13 \
+conversions, one more where rungs are named. Then 9 for the curve of texels against error: by area, and by budgets with \
+point and with fitted samples; these run once. Writes tradeoff.json, tradeoff.md, tradeoff.svg and .png, curve.svg and .png. \
+--cut holds for all runs, and so does --resolution where it is not the preset's. A rung that cannot be had on the model is a \
+row with its reason. Times are CPU seconds of the process.")]
 pub struct Arguments {
     /// The model: .glb, .gltf, .obj or .zip; `-` is standard input; without one, the demo's sample
     #[arg(value_name = "MODEL")]
     input: Option<PathBuf>,
-    /// The folder that the record, the table and the picture go to
+    /// The folder that the record, the tables and the pictures go to
     #[arg(short = 'o', long, env = "MESHCOLOR_OUT", value_name = "FOLDER")]
     out: PathBuf,
     /// Replace an earlier tradeoff that is there

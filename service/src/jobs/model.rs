@@ -124,8 +124,8 @@ pub const SWITCHES: [SwitchSpec; 2] = [
     SwitchSpec {
         name: "tradeoff",
         default: false,
-        doc: "Whether to convert by every rung of every ladder too, and add `tradeoff/` with a table and a \
-              picture of error against time. That is 12 conversions more: send it as a job.",
+        doc: "Whether to convert by every rung of every ladder too, and by budgets of texels, and add `tradeoff/` with tables \
+              and pictures of error against time and against texels. That is 22 conversions more: send it as a job.",
         field: |options| &mut options.tradeoff,
     },
 ];

@@ -10,11 +10,11 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// A linear axis over the values, from zero on unless that would squeeze them into its far half.
+    /// A linear axis over the values, from zero on unless that would squeeze them into its far half or some are below.
     pub fn linear(values: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Self {
         let [low, high] = extent(values).unwrap_or([0.0, 1.0]);
         let margin = ((high - low) * 0.24).max(high.abs() * 0.02).max(1e-9);
-        let start = if low < high * 0.5 { 0.0 } else { low - margin };
+        let start = if (0.0..high * 0.5).contains(&low) { 0.0 } else { low - margin };
         Self { range: [start, high + margin], pixels, is_log: false }
     }
 
@@ -76,6 +76,8 @@ mod tests {
         let axis = Axis::linear([9.0, 10.0].into_iter(), [100.0, 0.0]);
         assert!(axis.at(9.0) > 80.0 && axis.at(10.0) < 20.0);
         assert!(axis.ticks(4).iter().all(|tick| (8.7..=10.3).contains(tick)));
+        let axis = Axis::linear([-2.0, 3.0].into_iter(), [100.0, 0.0]);
+        assert!(axis.at(-2.0) < 100.0 && axis.at(3.0) > 0.0);
     }
 
     #[test]

@@ -55,7 +55,7 @@ mod tests {
 
     #[test]
     fn the_font_has_the_signs_that_pictures_use() {
-        for sign in ["×", "·", "…", "µ", "%", "ü"] {
+        for sign in ["×", "·", "…", "µ", "%", "ü", "−"] {
             let blank = inked("\u{e123}");
             assert!(inked(sign) != blank && inked(sign) > 5, "{sign}");
         }

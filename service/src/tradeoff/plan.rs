@@ -10,7 +10,7 @@ use super::record::{Ladder, Preset, Rung};
 /// The preset that rungs are changed in.
 pub const HOME: &str = "standard";
 
-const QUALITY: &str = "quality";
+pub(super) const QUALITY: &str = "quality";
 
 /// The conversions to run, each once, and who refers to them.
 pub struct Plan {
@@ -69,7 +69,8 @@ pub fn ladders() -> impl Iterator<Item = &'static OptionSpec> {
     OPTIONS.iter().filter(|spec| spec.follows_quality && !spec.rungs.is_empty())
 }
 
-fn with(base: &Options, changes: &[(&str, &str)]) -> Result<Options> {
+/// `base` with options changed, and with its resolution where that is not its preset's.
+pub(super) fn with(base: &Options, changes: &[(&str, &str)]) -> Result<Options> {
     let mut options = base.clone();
     for (name, value) in changes {
         options.set(name, value)?;

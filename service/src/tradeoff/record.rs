@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use super::curve::Curve;
+
 /// The version of the record's form; changes with the meaning or the place of any field.
 pub const RECORD_VERSION: u32 = 1;
 
@@ -27,6 +29,9 @@ pub struct Tradeoff {
     pub asked: usize,
     /// Each conversion once; presets and rungs refer to it by its place.
     pub runs: Vec<Run>,
+    /// Texels against error; absent in records of before it was taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<Curve>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -10,6 +10,7 @@ use meshcolor::watch::{Stage, Watch};
 use meshcolor::{Error, ErrorCode, Result};
 use serde_json::{Map, Value};
 
+use super::curve;
 use super::errors::{errors_of, output_of};
 use super::front::front;
 use super::plan::{Plan, PlannedRun};
@@ -38,7 +39,8 @@ pub struct Manner<'a> {
     pub done: f32,
 }
 
-/// Runs every rung with the cuts of `base`, and with its resolution where that is not its preset's, on the threads of the pool that calls it.
+/// Runs every rung with the cuts of `base`, and with its resolution where that is not its preset's, and then the curve of
+/// texels against error, on the threads of the pool that calls it.
 ///
 /// # Errors
 /// What keeps `standard` from converting, `Canceled`, and errors of our own; a rung that refuses the
@@ -50,20 +52,21 @@ pub fn run(subject: &Subject<'_>, base: &Options, manner: &Manner<'_>, watch: &J
     let started_at = Timestamp::now();
     watch.enter(TRADEOFF_STAGE);
     let mut ends: Vec<Option<End>> = vec![None; plan.runs.len()];
-    let total = (plan.runs.len() * manner.repeat_count as usize) as f32;
-    let mut count = 0.0;
+    let mut runner = Runner::new(subject, manner, watch);
+    runner.total = plan.runs.len() * manner.repeat_count as usize + curve::RUN_COUNT;
+    let matched = curve::area_matched(base, 1.0)?;
+    let mut matched_figures = None;
     // Repeats go round all runs, so that a busy minute of the machine does not fall on one of them.
     for _ in 0..manner.repeat_count {
         for (planned, end) in plan.runs.iter().zip(&mut ends) {
-            let share = (1.0 - manner.done) / total;
-            let part = watch.part(manner.done + share * count, share);
-            let clocks = JobWatch::alone();
-            let watched = Watched { clocks: &clocks, job: watch, progress: &part };
-            let done = pipeline::convert_read(subject.asset, &planned.options, manner.limits, &watched);
-            faster(end, end_of(planned, done.map(|product| product.report), &clocks, &subject.read)?);
-            count += 1.0;
+            let (report, stages) = runner.convert(&planned.options);
+            if let Some(report) = report.as_ref().ok().filter(|_| planned.options == matched) {
+                matched_figures = Some(curve::figures_of(report));
+            }
+            faster(end, end_of(planned, report, stages, &subject.read)?);
         }
     }
+    let curve = curve::run(&mut runner, base, matched_figures)?;
     let runs = plan.runs.into_iter().zip(ends).filter_map(|(planned, end)| {
         Some(Run { name: planned.name, options: planned.options.to_json(), end: end? })
     });
@@ -80,6 +83,7 @@ pub fn run(subject: &Subject<'_>, base: &Options, manner: &Manner<'_>, watch: &J
         ladders: plan.ladders,
         asked: plan.asked,
         runs: runs.collect(),
+        curve: Some(curve),
     };
     mark_fronts(&mut record.runs);
     Ok(record)
@@ -94,6 +98,33 @@ impl Machine {
             processor_count: processor_count(),
             thread_count: rayon::current_num_threads(),
         }
+    }
+}
+
+/// Converts one subject again and again, and moves the job's progress on.
+pub(super) struct Runner<'a> {
+    subject: &'a Subject<'a>,
+    manner: &'a Manner<'a>,
+    watch: &'a JobWatch,
+    /// Conversions that there will be.
+    total: usize,
+    done: usize,
+}
+
+impl<'a> Runner<'a> {
+    fn new(subject: &'a Subject<'a>, manner: &'a Manner<'a>, watch: &'a JobWatch) -> Self {
+        Self { subject, manner, watch, total: 1, done: 0 }
+    }
+
+    /// A conversion's report, and what its stages took.
+    pub(super) fn convert(&mut self, options: &Options) -> (Result<Report>, Vec<StageFigures>) {
+        let share = (1.0 - self.manner.done) / self.total as f32;
+        let part = self.watch.part(self.manner.done + share * self.done as f32, share);
+        let clocks = JobWatch::alone();
+        let watched = Watched { clocks: &clocks, job: self.watch, progress: &part };
+        let product = pipeline::convert_read(self.subject.asset, options, self.manner.limits, &watched);
+        self.done += 1;
+        (product.map(|product| product.report), clocks.finish())
     }
 }
 
@@ -123,20 +154,23 @@ impl Watch for Watched<'_> {
     }
 }
 
+/// Whether an error is none of the subject's, so that the others would not fare better.
+pub(super) fn ends_all(error: &Error) -> bool {
+    matches!(error.code, ErrorCode::Canceled | ErrorCode::Internal)
+}
+
 fn end_of(
     planned: &PlannedRun,
     report: Result<Report>,
-    clocks: &JobWatch,
+    stages: Vec<StageFigures>,
     read: &Option<StageFigures>,
 ) -> Result<End> {
-    let is_fatal = |error: &Error| {
-        planned.name == super::plan::HOME || matches!(error.code, ErrorCode::Canceled | ErrorCode::Internal)
-    };
+    let is_fatal = |error: &Error| planned.name == super::plan::HOME || ends_all(error);
     match report {
         Err(error) if is_fatal(&error) => Err(error),
         Err(error) => Ok(End::Refused { code: error.code.name(), reason: error.to_string() }),
         Ok(report) => {
-            let stages: Vec<_> = read.iter().cloned().chain(clocks.finish()).collect();
+            let stages: Vec<_> = read.iter().cloned().chain(stages).collect();
             Ok(End::Done(Box::new(Done {
                 cost: cost_of(&stages),
                 errors: errors_of(&report),

@@ -1,5 +1,6 @@
 //! The record as Markdown tables.
 
+use super::curve::{self, Curve};
 use super::record::{Done, End, Run, Tradeoff};
 use super::words::{figure, grouped, headline, mib};
 
@@ -19,7 +20,7 @@ pub fn markdown(record: &Tradeoff) -> String {
          on the worst level of the worst channel. Of the runs without seams, those that no other beats are \
          marked: ● by the error of level 0, ◆ by that over all levels; ○ has seams.\n\n{}\n\
          ## Seconds by stage\n\n{}\n\
-         ## Error by level\n\nRoot mean square, in {unit}.\n\n{}",
+         ## Error by level\n\nRoot mean square, in {unit}.\n\n{}{}",
         record.model,
         headline(record),
         grouped(record.face_count),
@@ -30,6 +31,19 @@ pub fn markdown(record: &Tradeoff) -> String {
         runs(record),
         stages(record),
         levels(record),
+        record.curve.as_ref().map_or_else(String::new, texels),
+    )
+}
+
+/// The curve, with what its columns mean.
+fn texels(curve: &Curve) -> String {
+    format!(
+        "\n## Texels against error\n\nTexels of level 0 of one map, and by face as it is stored (a quad, a pair of triangles, a \
+         triangle alone). *plain* is the source resampled once, bilinearly, to as many texels; *gain* is how much nearer to \
+         the source the run is: of base color, and of all maps as the mean, the worst and the best. The runs took {} CPU \
+         seconds.\n\n{}",
+        figure(curve.cpu_seconds),
+        curve::table(curve)
     )
 }
 
@@ -125,7 +139,7 @@ fn levels(record: &Tradeoff) -> String {
 }
 
 /// Every column but the first is figures, set to the right.
-fn table(heading: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
+pub(super) fn table(heading: &[&str], rows: impl Iterator<Item = Vec<String>>) -> String {
     let rule: String = (1..heading.len()).map(|_| " --: |").collect();
     let rows: String = rows.map(|cells| format!("| {} |\n", cells.join(" | "))).collect();
     format!("| {} |\n| --- |{rule}\n{rows}", heading.join(" | "))

@@ -9,13 +9,13 @@ use meshcolor::watch::Unwatched;
 use tokio::sync::watch;
 
 use super::*;
-use crate::jobs::model::JobOptions;
+use crate::jobs::model::{JobOptions, SWITCHES};
 use crate::watch::{JobWatch, Progress, Stop, StopReason};
 use crate::{sample, work};
 
 fn options() -> Options {
     let mut options = Options::default();
-    options.set("resolution", "fixed:1").unwrap();
+    options.set("resolution", "area:0.01").unwrap();
     options
 }
 
@@ -44,14 +44,41 @@ fn every_run_has_its_figures_and_the_record_reads_back() {
         assert!(done.output.texels > 0);
     }
     assert!(record.runs.iter().filter_map(Run::done).any(|done| done.is_on_front));
+    hold_curve(&record);
     let files = files(&record, "x/").unwrap();
     let names: Vec<_> = files.iter().map(|file| file.path.as_str()).collect();
-    assert_eq!(names, ["x/tradeoff.json", "x/tradeoff.md", "x/tradeoff.svg", "x/tradeoff.png"]);
+    let wanted = ["tradeoff.json", "tradeoff.md", "tradeoff.svg", "tradeoff.png", "curve.svg", "curve.png"];
+    assert_eq!(names, wanted.map(|name| format!("x/{name}")));
     let back: Tradeoff = serde_json::from_slice(&files[0].bytes).unwrap();
     assert_eq!(back, record);
     assert_eq!(svg(&back).as_bytes(), files[2].bytes);
     let table = String::from_utf8(files[1].bytes.clone()).unwrap();
     assert!(record.runs.iter().all(|run| table.contains(&format!("| {} |", run.name))));
+    assert!(table.contains("| budget, fitted, 1/4 of the area |"), "{table}");
+}
+
+/// Budgets are kept and are shares of the area-matched run, which is `standard`'s own.
+fn hold_curve(record: &Tradeoff) {
+    let curve = record.curve.as_ref().unwrap();
+    let names: Vec<_> = curve.lines.iter().map(|line| line.name.as_str()).collect();
+    assert_eq!(names, ["budget, fitted", "budget, point", "area-matched"]);
+    let area = curve.lines[2].points.last().unwrap();
+    let home = record.preset(HOME).unwrap();
+    assert_eq!(area.options, home.options);
+    let PointEnd::Done(matched) = &area.end else { panic!("{area:?}") };
+    assert_eq!(matched.maps.len() as u64 * matched.texels, home.done().unwrap().output.texels);
+    for point in curve.lines[..2].iter().flat_map(|line| &line.points) {
+        let PointEnd::Done(figures) = &point.end else { continue };
+        assert!(figures.texels as f64 <= point.share * matched.texels as f64 + 0.5, "{point:?}");
+    }
+    assert!(curve.best().unwrap().done().count() > 0 && curve.cpu_seconds > 0.0);
+}
+
+#[test]
+fn the_option_tells_how_many_conversions_there_are() {
+    let count = Plan::new(&Options::default()).unwrap().runs.len() + curve::RUN_COUNT - 1;
+    let told = format!("That is {count} conversions more");
+    assert!(SWITCHES.iter().any(|switch| switch.doc.contains(&told)), "{told}");
 }
 
 #[test]

@@ -23,6 +23,27 @@ pub fn time(seconds: f64) -> String {
     }
 }
 
+/// A difference with its sign.
+pub fn signed(value: f64) -> String {
+    let text = format!("{:.1}", value.abs());
+    match text.as_str() {
+        "0.0" => text,
+        _ if value < 0.0 => format!("−{text}"),
+        _ => format!("+{text}"),
+    }
+}
+
+/// A count of texels, short.
+pub fn short_count(count: f64) -> String {
+    let (value, unit) = match count {
+        c if c >= 0.9995e6 => (c / 1e6, " M"),
+        c if c >= 999.5 => (c / 1e3, " k"),
+        c => (c, ""),
+    };
+    let text = if value >= 99.5 || unit.is_empty() { format!("{value:.0}") } else { format!("{value:.1}") };
+    format!("{}{unit}", text.strip_suffix(".0").unwrap_or(&text))
+}
+
 /// A count in groups of three digits.
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
@@ -115,5 +136,10 @@ mod tests {
         assert_eq!([12.3, 1.23, 0.123, 0.0123].map(time), ["12 s", "1.2 s", "0.12 s", "12 ms"]);
         assert_eq!([12, 1_234, 1_234_567].map(grouped), ["12", "1 234", "1 234 567"]);
         assert_eq!([12.3, 1.23].map(times), ["12×", "1.2×"]);
+        assert_eq!(
+            [1.23, -1.25, -0.04].map(signed),
+            ["+1.2", "− 1.2", "0.0"].map(|text| text.replace(' ', ""))
+        );
+        assert_eq!([12.0, 1_000.0, 243_210.0, 3.2e6].map(short_count), ["12", "1 k", "243 k", "3.2 M"]);
     }
 }

@@ -1,8 +1,12 @@
 //! The picture: on the left error against time for whole presets and every rung, on the right each
 //! ladder's rungs side by side. Every label stands at what it names.
 
+mod curve;
+mod curve_panel;
 mod ladders;
 mod scatter;
+
+pub use curve::{one as curve_svg, several as curves_svg};
 
 use super::plan::HOME;
 use super::record::{Done, Run, Tradeoff};
