@@ -3,7 +3,7 @@
 use crate::asset::Asset;
 use crate::colors::{Cuts, Resolutions, Shape, level_count};
 use crate::error::{Error, ErrorCode, Result};
-use crate::layout::{Coordinates, Layout, LayoutRequest, arrange, block_texels};
+use crate::layout::{Layout, LayoutRequest, arrange, block_texels};
 use crate::mesh::{CanvasFace, CanvasMesh};
 use crate::read::Limits;
 use crate::resample::{Candidates, Choice, Rates, resolutions, spend};
@@ -34,7 +34,7 @@ pub fn arrange_all(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Vec<Arranged>> {
-    let is_elongated = options.coordinates == Coordinates::Indexed;
+    let is_elongated = options.coordinates.are_elongated();
     let finest = |material: &Prepared<'_>| {
         let all = resolutions(options.resolution, is_elongated, asset, &material.canvas, &material.sources);
         if options.texels.is_some() && options.max_error.is_none() { all.finer() } else { all }

@@ -62,7 +62,8 @@ const RANGES: &[(&str, Range)] =
 /// More than any set of textures has.
 const TEXELS_MAX: u64 = 1 << 32;
 const ROUNDINGS: &[(&str, Rounding)] = &[("nearest", Rounding::Nearest), ("rules", Rounding::Rules)];
-const COORDINATES: &[(&str, Coordinates)] = &[("4d", Coordinates::Scaled), ("indexed", Coordinates::Indexed)];
+const COORDINATES: &[(&str, Coordinates)] =
+    &[("4d-rows", Coordinates::ScaledInRows), ("4d", Coordinates::Scaled), ("indexed", Coordinates::Indexed)];
 
 /// One option as every interface shows it.
 #[derive(Clone, Copy, Debug)]
@@ -178,8 +179,8 @@ pub const OPTIONS: &[OptionSpec] = &[
         value_name: "RUNG",
         default: "indexed",
         follows_quality: true,
-        rungs: &names::<_, 2>(COORDINATES),
-        allowed: "4d, indexed",
+        rungs: &names::<_, 3>(COORDINATES),
+        allowed: "4d-rows (the paper's: squares in rows), 4d (rectangles in shelves), indexed",
         doc: "How a viewer finds texels: u_s / 2^level + u_delta, or by the number of a face's block and a table of levels, which needs fewer texels and no change of colors at coarse levels",
     },
     OptionSpec {
