@@ -93,7 +93,7 @@ proptest! {
         mip in prop_oneof![Just("uniform"), Just("area")],
         beyond in prop_oneof![Just("one-ring"), Just("heat")],
         cut in prop_oneof![Just("0"), Just("8"), Just("255")],
-        coordinates in prop_oneof![Just("4d"), Just("indexed")],
+        coordinates in prop_oneof![Just("4d-rows"), Just("4d"), Just("indexed")],
         texels in prop_oneof![Just("none"), Just("4000")],
     ) {
         let (patch, picture) = wild(seed);
@@ -136,7 +136,7 @@ proptest! {
     #[test]
     fn blocks_stand_apart_and_exactly(
         seed in any::<u64>(),
-        coordinates in prop_oneof![Just(Coordinates::Scaled), Just(Coordinates::Indexed)],
+        coordinates in prop_oneof![Just(Coordinates::ScaledInRows), Just(Coordinates::Scaled), Just(Coordinates::Indexed)],
     ) {
         let (patch, picture) = wild(seed);
         let options = Options { coordinates, ..Options::default() };
@@ -158,7 +158,7 @@ fn twenty_levels_hold_what_the_first_ones_do() {
     for (seed, beyond) in [(4, Beyond::Heat), (5, Beyond::OneRing)] {
         let (mut patch, picture) = wild(seed);
         patch.positions.iter_mut().for_each(|position| *position *= Vec3::new(1e8, 1e-6, 1e-6));
-        for coordinates in [Coordinates::Scaled, Coordinates::Indexed] {
+        for coordinates in [Coordinates::ScaledInRows, Coordinates::Scaled, Coordinates::Indexed] {
             let options =
                 Options { beyond, coordinates, resolution: Resolution::Area(4.0), ..Options::default() };
             let conversion = converted(&patch.upload(&picture), &options);
@@ -201,19 +201,19 @@ fn bleeding(finished: &Finished) -> Option<String> {
     None
 }
 
-/// Local coordinates are corners of the block's square; or `u_s` spans a square of side `2^r` that begins at a multiple of `2^r`, each corner at a corner of the
-/// square; `u_δ` is whole texels and a half.
+/// Local coordinates are corners of the block's square; or `u_s` spans a rectangle whose sides are powers of two and which begins at multiples of them, each corner at a corner of the
+/// rectangle; `u_δ` is whole texels and a half.
 fn is_placed_exactly(triangle: &FinishedTriangle) -> bool {
     let Anchor::Offset(offset) = triangle.anchor else {
         return triangle.corners.iter().flat_map(|corner| corner.to_array()).all(|at| at == 0.0 || at == 1.0);
     };
     let least = triangle.corners.into_iter().fold(Vec2::INFINITY, Vec2::min);
     let most = triangle.corners.into_iter().fold(Vec2::NEG_INFINITY, Vec2::max);
-    let side = most.x - least.x;
-    let is_square = side == most.y - least.y && side >= 1.0 && side.log2().fract() == 0.0;
-    let is_multiple = (least / side).fract() == Vec2::ZERO && least.min_element() >= 0.0;
-    let at_corners = triangle.corners.iter().all(|corner| ((*corner - least) / side).fract() == Vec2::ZERO);
-    is_square && is_multiple && at_corners && offset.fract() == Vec2::splat(0.5)
+    let sides = most - least;
+    let are_powers = sides.to_array().iter().all(|side| *side >= 1.0 && side.log2().fract() == 0.0);
+    let is_multiple = (least / sides).fract() == Vec2::ZERO && least.min_element() >= 0.0;
+    let at_corners = triangle.corners.iter().all(|corner| ((*corner - least) / sides).fract() == Vec2::ZERO);
+    are_powers && is_multiple && at_corners && offset.fract() == Vec2::splat(0.5)
 }
 
 /// What tells its block from others: `u_δ`, or class and number.

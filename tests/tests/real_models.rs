@@ -1,10 +1,10 @@
 //! What the project promises about real models, as assertions: seams, drift, fidelity. Each model is
-//! converted once, at the defaults, and all tests look at that conversion.
+//! converted once at the defaults and once with 4D coordinates, and all tests look at these conversions.
 
 use std::sync::OnceLock;
 
 use meshcolor::measure::{ChannelReport, Report, SubjectKind, Unit, Verdict};
-use meshcolor::pipeline::{Conversion, Options, check, convert};
+use meshcolor::pipeline::{Conversion, Coordinates, Options, check, convert};
 use meshcolor::read::{Limits, Upload};
 use meshcolor::watch::Unwatched;
 use meshcolor_tests::{models, reading, validator};
@@ -20,36 +20,47 @@ const UNDER_YARDSTICK_DB: f64 = 5.0;
 /// One model's conversion, shared among the tests; `None` where there is no folder of models.
 struct Model {
     name: &'static str,
+    coordinates: Coordinates,
     conversion: OnceLock<Option<Conversion>>,
 }
 
 impl Model {
     const fn new(name: &'static str) -> Self {
-        Self { name, conversion: OnceLock::new() }
+        Self { name, coordinates: Coordinates::Indexed, conversion: OnceLock::new() }
+    }
+
+    const fn with_4d(name: &'static str) -> Self {
+        Self { coordinates: Coordinates::Scaled, ..Self::new(name) }
     }
 
     fn converted(&self) -> Option<&Conversion> {
         self.conversion
-            .get_or_init(|| models::upload(self.name).map(|upload| converted(self.name, &upload)))
+            .get_or_init(|| {
+                models::upload(self.name).map(|upload| converted(self.name, &upload, self.coordinates))
+            })
             .as_ref()
     }
 }
 
-fn converted(name: &str, upload: &Upload) -> Conversion {
-    convert(upload, &Options::default(), &Limits::default(), &Unwatched)
-        .unwrap_or_else(|e| panic!("{name}: {e}"))
+fn converted(name: &str, upload: &Upload, coordinates: Coordinates) -> Conversion {
+    let options = Options { coordinates, ..Options::default() };
+    convert(upload, &options, &Limits::default(), &Unwatched).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 static HELMET: Model = Model::new("DamagedHelmet");
 static FOX: Model = Model::new("Fox");
 /// Quads; its library names the picture beside it.
 static SPOT: Model = Model::new("spot");
+static HELMET_4D: Model = Model::with_4d("DamagedHelmet");
+static FOX_4D: Model = Model::with_4d("Fox");
+static SPOT_4D: Model = Model::with_4d("spot");
 
 /// The demo's model, which needs no folder.
 fn sample() -> &'static Conversion {
     static SAMPLE: OnceLock<Conversion> = OnceLock::new();
     SAMPLE.get_or_init(|| {
-        converted("sample", &Upload::single("sample.glb", meshcolor_service::sample::model()))
+        let upload = Upload::single("sample.glb", meshcolor_service::sample::model());
+        converted("sample", &upload, Coordinates::Indexed)
     })
 }
 
@@ -147,6 +158,13 @@ for_model! {
     the_helmet_is_seamless: HELMET, |name, conversion: &Conversion| assert_seamless(name, &conversion.report);
     the_fox_is_seamless: FOX, |name, conversion: &Conversion| assert_seamless(name, &conversion.report);
     spot_is_seamless: SPOT, |name, conversion: &Conversion| assert_seamless(name, &conversion.report);
+    the_helmet_is_seamless_with_4d_coordinates: HELMET_4D, |name, conversion: &Conversion| assert_seamless(name, &conversion.report);
+    the_fox_is_seamless_with_4d_coordinates: FOX_4D, |name, conversion: &Conversion| assert_seamless(name, &conversion.report);
+    spot_is_seamless_with_4d_coordinates: SPOT_4D, |name, conversion: &Conversion| assert_seamless(name, &conversion.report);
+    the_helmets_4d_file_tells_the_same: HELMET_4D, assert_file_tells_the_same;
+    the_foxs_4d_coordinates_are_seamless_by_our_own_measure: FOX_4D, assert_seamless_by_our_own_measure;
+    spots_4d_coordinates_are_seamless_by_our_own_measure: SPOT_4D, assert_seamless_by_our_own_measure;
+    spot_does_not_drift_with_4d_coordinates: SPOT_4D, |name, conversion: &Conversion| assert_no_drift(name, &conversion.report.channels[0]);
     the_helmet_is_seamless_by_our_own_measure: HELMET, assert_seamless_by_our_own_measure;
     the_fox_is_seamless_by_our_own_measure: FOX, assert_seamless_by_our_own_measure;
     spot_is_seamless_by_our_own_measure: SPOT, assert_seamless_by_our_own_measure;

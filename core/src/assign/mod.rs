@@ -2,7 +2,8 @@
 //!
 //! Up to vertex colors a texel copies a sample (or a point of a coarser edge), and the border texels beside
 //! a lone triangle's diagonal are `c3 = c1 + c2 - c0` (MCT equation 1). Beyond vertex colors the linear or
-//! bilinear function through a block's corners is extrapolated to the texels around it (MCT 3.4).
+//! bilinear function through a block's corners is extrapolated to the texels around it (MCT 3.4), or along the short side
+//! alone where that comes down first (MCT 3.6).
 
 mod codec;
 mod frames;
@@ -20,7 +21,7 @@ pub use rules::{Links, Rules, rules};
 
 use glam::{DVec3, DVec4, Vec4};
 
-use crate::colors::{Cuts, LevelNumbering};
+use crate::colors::{Cuts, LevelNumbering, Tap};
 use crate::layout::Layout;
 
 /// How levels are stored where many of their texels beyond vertex colors leave [0, 1].
@@ -113,6 +114,16 @@ impl LevelValues {
     /// What a face beyond vertex colors stores at one of its corners, whose shared sample is `fan`.
     pub fn corner(&self, face: usize, corner: usize, fan: usize) -> DVec4 {
         self.corners.get(face).map_or(self.fans[fan], |corners| corners[corner])
+    }
+
+    /// What a face sees at a grid point, in 64 bits as far as samples are.
+    pub fn value(&self, Tap { samples, second }: Tap) -> DVec4 {
+        let of = |sample: u32| {
+            let sample = sample as usize;
+            self.fans.get(sample).copied().unwrap_or_else(|| self.samples[sample].as_dvec4())
+        };
+        let first = of(samples[0]);
+        if second == 0.0 { first } else { first.lerp(of(samples[1]), second.into()) }
     }
 
     /// Sets one component of one sample.

@@ -4,14 +4,14 @@
 use glam::{Vec2, Vec4};
 use rayon::prelude::*;
 
-use crate::colors::Tap;
+use crate::colors::{Shape, Tap};
 use crate::image::{Image, LevelRange, Transfer};
 use crate::math::transfer::{linear_to_srgb, srgb_slope};
 
-use super::{LevelChannel, LevelValues, corner_point};
+use super::{LevelChannel, LevelValues};
 
-/// The change of every sample in codes, the largest of the stored components counting: of a vertex with
-/// faces beyond vertex colors the largest of what they show there, of any other sample its rounding.
+/// The change of every sample in codes, the largest of the stored components counting: of one with
+/// faces beyond vertex colors the largest of what they show there, of any other its rounding.
 pub fn read_back(
     channel: &LevelChannel<'_>,
     values: &LevelValues,
@@ -33,12 +33,19 @@ pub fn read_back(
         if !channel.layout.is_beyond(channel.layout.block(face), numbering.level) {
             continue;
         }
-        for corner in 0..canvas_face.count() {
-            let sample = numbering.topology.fan_of[face][corner] as usize;
-            let (s, t) = corner_point(canvas_face.is_triangle(), corner);
-            let wanted = channel.stored(face, values.fans[sample], s, t).as_vec4();
-            let place = channel.layout.place(face, corner, numbering.level);
-            changes[sample] = changes[sample].max(change(bilinear(image, range, place), wanted));
+        let shape = numbering.shape(face);
+        let [start, i_end, j_end] =
+            [0, 1, canvas_face.count() - 1].map(|corner| channel.layout.place(face, corner, numbering.level));
+        // Corners alone, or the ends of columns.
+        for (i, j) in points(shape) {
+            let tap = numbering.tap(face, i, j);
+            if tap.second == 0.0 {
+                let [s, t] = shape.unit(i, j);
+                let wanted = channel.stored(face, values.value(tap), s, t).as_vec4();
+                let place = start + (i_end - start) * s + (j_end - start) * t;
+                let changed = &mut changes[tap.samples[0] as usize];
+                *changed = changed.max(change(bilinear(image, range, place), wanted));
+            }
         }
     }
     changes
@@ -53,7 +60,7 @@ fn of_versions(channel: &LevelChannel<'_>, values: &LevelValues, change: impl Fn
             continue;
         }
         let shape = numbering.shape(face);
-        for (i, j) in (0..=shape.segments[1]).flat_map(|j| (0..shape.point_count(j)).map(move |i| (i, j))) {
+        for (i, j) in points(shape) {
             let Tap { samples: [sample, _], second } = numbering.tap(face, i, j);
             if second == 0.0 {
                 let [s, t] = shape.unit(i, j);
@@ -64,6 +71,11 @@ fn of_versions(channel: &LevelChannel<'_>, values: &LevelValues, change: impl Fn
         }
     }
     changes
+}
+
+/// All points of a face's grid.
+fn points(shape: Shape) -> impl Iterator<Item = (u32, u32)> {
+    (0..=shape.segments[1]).flat_map(move |j| (0..shape.point_count(j)).map(move |i| (i, j)))
 }
 
 /// How far the components of two values are apart, as shares of the code range.

@@ -11,7 +11,7 @@ use crate::colors::Tap;
 use crate::layout::Block;
 use glam::Mat3;
 
-use super::paint::{BeyondCell, corner_weights};
+use super::paint::{BeyondCell, Columns, corner_weights};
 use super::{LevelChannel, corner_point, from_right_angle};
 
 /// Rows in the order of blocks; terms of a row name each variable once, by its number in `variables`.
@@ -123,7 +123,8 @@ impl Rules {
         rules
     }
 
-    /// The face whose corners alone the group is about, beyond vertex colors; none for border texels.
+    /// The face whose corners alone the group is about, beyond vertex colors; none for border texels and for
+    /// columns, which other samples have a part in.
     pub fn face(&self, group: usize) -> Option<usize> {
         self.faces[group].map(|face| face as usize)
     }
@@ -204,7 +205,9 @@ pub fn rules(channel: &LevelChannel<'_>) -> Rules {
     let rules = Rules { is_affine: channel.frames.is_none(), ..Rules::default() };
     let mut builder = Builder { channel, rules };
     for block in &channel.layout.blocks {
-        if channel.layout.is_beyond(block, channel.numbering.level) {
+        if channel.layout.is_beyond_across(block, channel.numbering.level) {
+            block.kind.faces().for_each(|face| builder.columns(block, face));
+        } else if channel.layout.is_beyond(block, channel.numbering.level) {
             block.kind.faces().for_each(|face| builder.beyond(block, face));
         } else if block.kind.is_lone() {
             block.kind.faces().for_each(|face| builder.border(face));
@@ -235,21 +238,41 @@ impl Builder<'_> {
             return;
         }
         let [n, _] = self.channel.numbering.shape(face).segments;
-        let scale = 1.0 / n as f32;
         for x in 1..=n {
             let y = n + 1 - x;
             let mut parts = Vec::with_capacity(6);
             for (x, y, weight) in [(x, y - 1, 1.0), (x - 1, y, 1.0), (x - 1, y - 1, -1.0)] {
                 let (i, j) = from_right_angle(right, n, x, y);
-                let Tap { samples, second } = self.channel.numbering.tap(face, i, j);
-                let at = (i as f32 * scale, j as f32 * scale);
-                let mut add = |sample, weight| parts.push(Part { sample, weight, face, at });
-                if second != 0.0 {
-                    add(samples[1], weight * f64::from(second));
-                }
-                add(samples[0], weight * f64::from(1.0 - second));
+                self.add_point(&mut parts, face, (i, j), weight);
             }
             self.push(&parts);
+            self.rules.end_group(None);
+        }
+    }
+
+    /// A weighted grid point of a face.
+    fn add_point(&self, parts: &mut Vec<Part>, face: usize, (i, j): (u32, u32), weight: f64) {
+        let numbering = self.channel.numbering;
+        let Tap { samples, second } = numbering.tap(face, i, j);
+        let [s, t] = numbering.shape(face).unit(i, j);
+        let mut add = |sample, weight| parts.push(Part { sample, weight, face, at: (s, t) });
+        if second != 0.0 {
+            add(samples[1], weight * f64::from(second));
+        }
+        add(samples[0], weight * f64::from(1.0 - second));
+    }
+
+    /// The columns of a block that is beyond vertex colors along its short side alone: two texels each, a group.
+    fn columns(&mut self, block: &Block, face: usize) {
+        let columns = Columns::new(self.channel, block, face);
+        for column in 0..columns.columns_rows[0] {
+            for dy in 0..2 {
+                let mut parts = Vec::with_capacity(4);
+                for (point, weight) in columns.points(column).into_iter().zip(columns.weights(dy)) {
+                    self.add_point(&mut parts, face, point, weight);
+                }
+                self.push(&parts);
+            }
             self.rules.end_group(None);
         }
     }

@@ -111,7 +111,7 @@ fn what_no_range_is_wide_enough_for_is_told() {
 fn a_range_holds_what_the_bounded_format_cannot() {
     let case = triangle_and_quad([0, 0], 4);
     let noise = |k: usize| if k.is_multiple_of(2) { 0.9 } else { 0.1 };
-    for (range, worst) in [(Range::Scaled16, 1e-4), (Range::Float16, 2e-3)] {
+    for (range, worst) in [(Range::Scaled16, 2e-4), (Range::Float16, 2e-3)] {
         assert!(in_range(&case, 0, range, noise).is_none(), "level 0 is never beyond vertex colors");
         assert!(in_range(&case, 2, range, |_| 0.5).is_none(), "flat colors stay in [0, 1]");
         for level in 1..4 {
@@ -208,6 +208,55 @@ fn a_diagonal_reads_like_the_side_of_its_neighbor() {
     }
 }
 
+/// Beyond vertex colors along the short side alone, and along both, an elongated quad shows its samples on every
+/// column, and along its edge what the triangle there shows.
+#[test]
+fn elongated_quads_reach_beyond_vertex_colors_in_one_direction_first() {
+    for quad in [[4, 0], [0, 4], [3, 1], [1, 3], [2, 4], [4, 2]] {
+        let case = case_of(Resolutions { faces: vec![[3, 3], quad] }, 7, Coordinates::Scaled);
+        let mut columns_seen = 0;
+        for level in 0..7 {
+            // Small slopes keep every texel in range.
+            let noise = |k: usize| 0.5 + 0.002 * ((k * 7919 % 31) as f32 / 31.0);
+            let (image, samples, row_count) = painted(&case, level, noise);
+            let block = case.layout.block(1);
+            if case.layout.is_beyond_across(block, level) {
+                let column_count = (1 << (usize::from(quad[0].max(quad[1])) - level)) + 1;
+                let of_triangle = if level <= 3 { 1 << (3 - level) } else { 4 };
+                assert_eq!(row_count, 2 * column_count + of_triangle);
+                columns_seen += 1;
+            }
+            let shown = |weights: &[(usize, f32)]| at(&case, &image, level, 1, weights);
+            on_level(&case, level, (DATA16, None), |channel, _| {
+                let shape = channel.numbering.shape(1);
+                for (i, j) in
+                    (0..=shape.segments[1]).flat_map(|j| (0..=shape.segments[0]).map(move |i| (i, j)))
+                {
+                    let [s, t] = shape.unit(i, j);
+                    let wanted = channel.numbering.tap(1, i, j).value(&samples).x;
+                    let read = shown(&[
+                        (0, (1.0 - s) * (1.0 - t)),
+                        (1, s * (1.0 - t)),
+                        (2, s * t),
+                        (3, (1.0 - s) * t),
+                    ]);
+                    assert!(
+                        (read - wanted).abs() < 5e-5,
+                        "{quad:?}, level {level}, {i} {j}: {read}, not {wanted}"
+                    );
+                }
+            });
+            for step in 0..=64 {
+                let t = step as f32 / 64.0;
+                let triangle = at(&case, &image, level, 0, &[(1, 1.0 - t), (2, t)]);
+                let quad_shows = shown(&[(0, 1.0 - t), (3, t)]);
+                assert!((triangle - quad_shows).abs() < 5e-5, "{quad:?}, level {level}, t {t}");
+            }
+        }
+        assert_eq!(columns_seen, usize::from(quad[0].abs_diff(quad[1])));
+    }
+}
+
 /// Beyond vertex colors the texels around a face reproduce its corner colors.
 #[test]
 fn corners_are_read_back_beyond_vertex_colors() {
@@ -251,7 +300,8 @@ fn stored_normals_decode_to_what_they_were() {
     let case = triangle_and_quad([1, 1], 2);
     let normals = vec![[Vec3::Z, Vec3::new(0.6, 0.0, 0.8), Vec3::new(0.0, 0.6, 0.8), Vec3::Z]; 2];
     for scale in [1.0, 0.5, 2.0] {
-        let frames: NormalFrames = choose_frames(&case.canvas, &normals, &vec![None; case.canvas.faces.len()], scale);
+        let frames: NormalFrames =
+            choose_frames(&case.canvas, &normals, &vec![None; case.canvas.faces.len()], scale);
         let wanted = Vec3::new(0.3, -0.2, 0.9).normalize();
         let (s, t) = (0.25, 0.5);
         let stored = Vec3::splat(0.5) + frames.to_stored(&case.canvas, 0, s, t) * wanted;

@@ -131,20 +131,20 @@ impl Coordinates {
         triangle.corners.map(|corner| corner * scale)
     }
 
-    /// Whether the triangle's corners are no texel centers at a level, so that the texels around them
+    /// Whether the triangle's corners are no texel centers at a level along an axis, so that the texels around them
     /// are extrapolated: beyond vertex colors, with 4D coordinates.
     pub fn is_extrapolated(&self, triangle: &FinishedTriangle, level: usize) -> bool {
-        self.table().is_none() && self.longer_side_texels(triangle) < (level as f32).exp2()
+        self.table().is_none() && self.sides_texels(triangle).min_element() < (level as f32).exp2()
     }
 
     /// The resolution exponent along the longer side of the triangle.
     pub fn exponent(&self, triangle: &FinishedTriangle) -> usize {
-        f64::from(self.longer_side_texels(triangle)).max(1.0).log2().round() as usize
+        f64::from(self.sides_texels(triangle).max_element()).max(1.0).log2().round() as usize
     }
 
-    fn longer_side_texels(&self, triangle: &FinishedTriangle) -> f32 {
+    fn sides_texels(&self, triangle: &FinishedTriangle) -> Vec2 {
         let [a, b, c] = self.texels(triangle);
-        (a.max(b).max(c) - a.min(b).min(c)).max_element()
+        a.max(b).max(c) - a.min(b).min(c)
     }
 }
 

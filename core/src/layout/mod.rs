@@ -4,12 +4,14 @@
 //! the second turned by 180° and shifted by three texels: each of the two needs a line of border texels of its
 //! own (MCT 3.1), which the increments of MCT Algorithm 1 leave no room for.
 //!
-//! Two kinds of coordinates name a block's place. 4D ones ([`rows`]) shrink all places by the same factor from level to
-//! level; indexed ones ([`grids`]) name a block's number, and every level has grids of its own.
+//! Two kinds of coordinates name a block's place. 4D ones ([`scaled`]) shrink all places by the same factor from level to
+//! level, packed as in the paper ([`rows`]) or closer ([`shelves`]); indexed ones ([`grids`]) name a block's number, and every level has grids of its own.
 
 mod blocks;
 mod grids;
 mod rows;
+mod scaled;
+mod shelves;
 #[cfg(test)]
 mod tests;
 
@@ -34,16 +36,24 @@ const SIDE_MAX: u32 = 32_768;
 /// How a viewer finds a face's texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinates {
-    /// `u_s / 2^level + u_δ` (MCT equation 2). Blocks are squares.
+    /// `u_s / 2^level + u_δ` (MCT equation 2), in rows, each face with one exponent: the paper's baseline.
+    ScaledInRows,
+    /// The same in shelves, and quads may be elongated.
     Scaled,
     /// The number of a block in its class, and a table of classes and levels.
     Indexed,
 }
 
+impl Coordinates {
+    /// Whether quads get an exponent along each axis.
+    pub fn are_elongated(self) -> bool {
+        self != Self::ScaledInRows
+    }
+}
+
 /// What a layout is made from.
 pub struct LayoutRequest<'a> {
     pub canvas: &'a CanvasMesh,
-    /// For 4D coordinates the same along both axes of every face.
     pub resolutions: &'a Resolutions,
     /// By face: the edge that a lone triangle puts on its diagonal.
     pub diagonals: &'a [u8],
@@ -129,7 +139,7 @@ pub struct Layout {
 /// Texels that a face takes at level 0 with what keeps it from the next; a lone triangle half of what two take.
 pub fn block_texels(coordinates: Coordinates, shape: Shape) -> f64 {
     let spare = match coordinates {
-        Coordinates::Scaled => SEPARATION,
+        Coordinates::ScaledInRows | Coordinates::Scaled => SEPARATION,
         Coordinates::Indexed => 1,
     };
     let [n, m] = shape.segments.map(|segments| f64::from(segments + spare));
@@ -148,7 +158,8 @@ pub fn arrange(request: &LayoutRequest<'_>) -> Result<Layout> {
         return Err(too_large([least_side; 2], limit));
     }
     let layout = match request.coordinates {
-        Coordinates::Scaled => rows::arrange(request),
+        Coordinates::ScaledInRows => rows::arrange(request),
+        Coordinates::Scaled => shelves::arrange(request),
         Coordinates::Indexed => grids::arrange(request),
     };
     let [width, height] = layout.sizes[0];
@@ -209,12 +220,17 @@ impl Layout {
         &self.blocks[self.placements[face].block as usize]
     }
 
-    /// Whether a block's corners stand between texels at a level, so that its texels are extrapolated.
+    /// Whether a block's corners stand between texels at a level along an axis, so that its texels are extrapolated.
     pub fn is_beyond(&self, block: &Block, level: usize) -> bool {
         matches!(block.place, Place::Scaled { .. }) && usize::from(block.exponents[1]) < level
     }
 
-    /// First texel of a block that is not beyond vertex colors.
+    /// Whether they do along the short side, y, alone (MCT 3.6).
+    pub fn is_beyond_across(&self, block: &Block, level: usize) -> bool {
+        self.is_beyond(block, level) && level <= usize::from(block.exponents[0])
+    }
+
+    /// First texel of a block, or of its footprint along an axis that is beyond vertex colors.
     pub fn first_texel(&self, block: &Block, level: usize) -> [u32; 2] {
         match block.place {
             Place::Scaled { origin, offset } => [0, 1].map(|k| (origin[k] >> level) + offset[k]),
@@ -283,7 +299,7 @@ impl Layout {
     /// One past the last texel that a block may touch at a level.
     fn block_end(&self, block: &Block, level: usize) -> [u32; 2] {
         match block.place {
-            Place::Scaled { .. } => rows::end(block, level),
+            Place::Scaled { .. } => scaled::end(block, level),
             Place::Indexed { class, .. } => {
                 let [x, y] = self.first_texel(block, level);
                 let [width, height] = self.classes[class as usize].footprint(level);

@@ -34,7 +34,7 @@ pub fn arrange_all(
     limits: &Limits,
     watch: &dyn Watch,
 ) -> Result<Vec<Arranged>> {
-    let is_elongated = options.coordinates == Coordinates::Indexed;
+    let is_elongated = options.coordinates.are_elongated();
     let finest = |material: &Prepared<'_>| {
         let wanted =
             wanted_exponents(options.resolution, is_elongated, asset, &material.canvas, &material.sources);
@@ -114,7 +114,7 @@ fn lay_out(
         level_count: level_count(canvas, &resolutions),
         side_limit: match options.coordinates {
             // Not to be split.
-            Coordinates::Scaled => limits.texture_side.min(options.max_side),
+            Coordinates::Scaled | Coordinates::ScaledInRows => limits.texture_side.min(options.max_side),
             Coordinates::Indexed => limits.texture_side,
         },
         coordinates: options.coordinates,

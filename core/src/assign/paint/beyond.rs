@@ -1,4 +1,4 @@
-//! Beyond vertex colors: the function through the corners of a triangle or quad, extrapolated to the texels around it (MCT 3.4). In 64 bits: the weights reach `4^(level - r)`.
+//! Beyond vertex colors along both axes: the function through the corners of a triangle or quad, extrapolated to the texels around it (MCT 3.4). In 64 bits: the weights reach `4^(level - r)`.
 
 use glam::{DVec2, DVec4, Vec4};
 
@@ -51,7 +51,12 @@ pub(in crate::assign) struct BeyondCell {
     /// 2, or 3 where the far side stands exactly on a texel center.
     pub columns_rows: [u32; 2],
     corner: DVec2,
-    segments_per_texel: f64,
+    segments_per_texel: DVec2,
+}
+
+/// Texels that a side reaches along one axis: 2, or 3 where its end stands exactly on a texel center.
+pub(super) fn span(corner: f64, side: f64) -> u32 {
+    if corner + side - corner.floor() >= 1.0 { 3 } else { 2 }
 }
 
 impl BeyondCell {
@@ -59,13 +64,11 @@ impl BeyondCell {
         let level = channel.numbering.level;
         let shift = channel.layout.placements[face].shift;
         let corner = channel.layout.first_corner(block, level) + DVec2::new(f64::from(shift), 0.0);
-        let side = (f64::from(block.exponents[0]) - level as f64).exp2();
+        let side = DVec2::from(block.exponents.map(|exponent| (f64::from(exponent) - level as f64).exp2()));
         let first = corner.floor();
-        let far = corner + side;
-        let count = |far: f64, first: f64| if far - first >= 1.0 { 3 } else { 2 };
         Self {
             first: [first.x as u32, first.y as u32],
-            columns_rows: [count(far.x, first.x), count(far.y, first.y)],
+            columns_rows: [span(corner.x, side.x), span(corner.y, side.y)],
             corner,
             segments_per_texel: 1.0 / side,
         }

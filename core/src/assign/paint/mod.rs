@@ -3,10 +3,12 @@
 mod band;
 mod beyond;
 mod cell;
+mod columns;
 mod extent;
 mod up_to_vertex;
 
 pub(super) use beyond::{BeyondCell, corner_weights};
+pub(super) use columns::Columns;
 pub use extent::{Need, RANGE_WIDTH, need_of_range, range_of};
 
 use rayon::prelude::*;
@@ -34,8 +36,8 @@ pub struct Storing {
 /// Rounding comes last. By [`Rounding::Rules`] it is shared: copies round the sample once for all faces,
 /// points of coarser edges are worked out from rounded samples and border texels from stored texels, so
 /// that only their own rounding is left (none at all for the borders of linear formats). Beyond vertex
-/// colors the weights are large, so there the samples enter unrounded, and the four texels around a face are
-/// rounded together, to what shows least at its corners.
+/// colors the weights are large, so there the samples enter unrounded, and the four texels around a face (or the two of a
+/// column) are rounded together, to what shows least at its corners.
 ///
 /// # Errors
 /// `Canceled`.
@@ -119,7 +121,10 @@ impl Painter<'_> {
     }
 
     fn paint_block(&self, band: &mut Band<'_>, block: &Block, scratch: &mut Scratch) {
-        if self.is_beyond(block) {
+        let layout = self.channel.layout;
+        if layout.is_beyond_across(block, self.channel.numbering.level) {
+            block.kind.faces().for_each(|face| self.extrapolate_columns(band, block, face));
+        } else if self.is_beyond(block) {
             block.kind.faces().for_each(|face| self.extrapolate(band, block, face));
         } else {
             block.kind.faces().for_each(|face| self.copy(band, block, face, scratch));

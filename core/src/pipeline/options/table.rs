@@ -35,7 +35,7 @@ pub const MAX_SIDE_MOST: u32 = 16384;
 pub const TEXELS_MAX: u64 = 1 << 32;
 pub const ROUNDINGS: &[(&str, Rounding)] = &[("nearest", Rounding::Nearest), ("rules", Rounding::Rules)];
 pub const COORDINATES: &[(&str, Coordinates)] =
-    &[("4d", Coordinates::Scaled), ("indexed", Coordinates::Indexed)];
+    &[("4d-rows", Coordinates::ScaledInRows), ("4d", Coordinates::Scaled), ("indexed", Coordinates::Indexed)];
 pub const TEXTURES: &[(&str, TextureFormat)] =
     &[("png", TextureFormat::Png), ("ktx2", TextureFormat::Ktx2), ("exr", TextureFormat::Exr)];
 pub const BLOCKS: &[(&str, BlockFormat)] = &[
@@ -166,8 +166,8 @@ pub const OPTIONS: &[OptionSpec] = &[
         value_name: "RUNG",
         default: "indexed",
         follows_quality: true,
-        rungs: &names::<_, 2>(COORDINATES),
-        allowed: "4d, indexed",
+        rungs: &names::<_, 3>(COORDINATES),
+        allowed: "4d-rows (the paper's: squares in rows), 4d (rectangles in shelves), indexed",
         doc: "How a viewer finds texels: u_s / 2^level + u_delta, or by the number of a face's block and a table of levels, which needs fewer texels and no change of colors at coarse levels",
     },
     OptionSpec {
