@@ -25,6 +25,7 @@ MODELS = {
     "spot, finer": "spot/spot_fine.obj",
 }
 HELMET_RUNS = [
+    ["--coordinates", "4d-rows"],
     ["--coordinates", "4d"],
     [],
     ["--texels", "3200000", "--sampling", "fitted"],

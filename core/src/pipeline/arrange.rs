@@ -69,7 +69,12 @@ pub fn arrange_all(
         })
         .collect();
     let resolved = |choices: &[Choice]| -> Vec<Resolutions> {
-        choices.iter().zip(&rates).map(|(choice, rates)| choice.resolutions(rates)).collect()
+        let each = choices.iter().zip(&rates).zip(materials);
+        each.map(|((choice, rates), material)| {
+            let is_shared = |edge: usize| material.cuts.iter().any(|cuts| !cuts.edges[edge]);
+            choice.resolutions(rates).meeting(&material.canvas, is_shared)
+        })
+        .collect()
     };
     let Some(wanted) = options.texels else { return set(resolved(&most)) };
     let mut target = wanted as f64 * SPARE;
