@@ -26,11 +26,15 @@ struct Model {
 
 impl Model {
     const fn new(name: &'static str) -> Self {
-        Self { name, coordinates: Coordinates::Indexed, conversion: OnceLock::new() }
+        Self::with(name, Coordinates::Indexed)
+    }
+
+    const fn with(name: &'static str, coordinates: Coordinates) -> Self {
+        Self { name, coordinates, conversion: OnceLock::new() }
     }
 
     const fn with_4d(name: &'static str) -> Self {
-        Self { coordinates: Coordinates::Scaled, ..Self::new(name) }
+        Self::with(name, Coordinates::Scaled)
     }
 
     fn converted(&self) -> Option<&Conversion> {
