@@ -13,7 +13,9 @@ use super::options::Options;
 use super::prepare::Prepared;
 
 /// Layouts are arranged anew up to so many times until they keep to a number of texels.
-const TRIES_MAX: usize = 8;
+const TRIES_MAX: usize = 10;
+/// A layout that comes so near to the number is as large as can be.
+const ALL_SPENT: f64 = 0.98;
 /// What a layout is expected to leave empty, and what is taken off more at each try.
 const SPARE: f64 = 0.99;
 
@@ -68,26 +70,46 @@ pub fn arrange_all(
             None => Choice::finest(material.rates),
         })
         .collect();
-    let resolved = |choices: &[Choice]| -> Vec<Resolutions> {
-        let each = choices.iter().zip(&rates).zip(materials);
-        each.map(|((choice, rates), material)| {
+    let resolved = |choices: &[Choice], least_gain: f64| -> Vec<Resolutions> {
+        let each = choices.iter().zip(&candidates).zip(materials);
+        each.map(|((choice, candidates), material)| {
             let is_shared = |edge: usize| material.cuts.iter().any(|cuts| !cuts.edges[edge]);
-            choice.resolutions(rates).meeting(&material.canvas, is_shared)
+            candidates.meet(choice, is_shared, least_gain)
         })
         .collect()
     };
-    let Some(wanted) = options.texels else { return set(resolved(&most)) };
-    let mut target = wanted as f64 * SPARE;
+    let Some(wanted) = options.texels else { return set(resolved(&most, 0.0)) };
+    // What is spent and what that comes to are not the same: layouts leave some empty, and edges want their share.
+    let mut spendable = wanted as f64 * SPARE;
+    let (mut enough, mut too_much) = (0.0, f64::INFINITY);
+    let mut best = None;
     let mut least = u64::MAX;
     for _ in 0..TRIES_MAX {
         watch::check(watch)?;
-        let arranged = set(resolved(&spend(&candidates, &most, target)))?;
+        let spent = spend(&candidates, &most, spendable);
+        let arranged = set(resolved(&spent.choices, spent.least_gain))?;
         let allocated = allocated_texels(&arranged);
+        let share = wanted as f64 / allocated as f64;
         if allocated <= wanted {
-            return Ok(arranged);
+            best = Some(arranged);
+            enough = spendable;
+            let is_all = spent.texels < ALL_SPENT * spendable;
+            if share * ALL_SPENT < 1.0 || (is_all && too_much.is_infinite()) {
+                break;
+            }
+        } else {
+            least = least.min(allocated);
+            // What was spent may be less than there was to spend.
+            too_much = spendable.min(spent.texels);
         }
-        least = least.min(allocated);
-        target *= wanted as f64 / allocated as f64 * SPARE;
+        spendable = match (best.is_some(), too_much.is_finite()) {
+            (true, true) => 0.5 * (enough + too_much),
+            (true, false) => enough * share,
+            _ => too_much * share * SPARE,
+        };
+    }
+    if let Some(arranged) = best {
+        return Ok(arranged);
     }
     let detail = format!(
         "texels = \"{wanted}\" is too few: every face has one cell at least, and level 0 came down to {least} texels; \

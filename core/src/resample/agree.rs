@@ -4,7 +4,7 @@
 //! exponent is about half way between two whole ones, the one that more neighbors have is taken.
 
 use crate::colors::Resolutions;
-use crate::mesh::{CanvasMesh, Side};
+use crate::mesh::CanvasMesh;
 
 use super::resolution::{WantedExponents, nearest};
 
@@ -33,28 +33,6 @@ impl WantedExponents {
             }
         }
         resolutions
-    }
-}
-
-impl Resolutions {
-    /// Every face at least as fine along an edge as the others there, which have no more samples on it than the
-    /// coarsest. `is_shared`: by canvas edge. A quad is refined along the edge alone.
-    pub fn meeting(&self, canvas: &CanvasMesh, is_shared: impl Fn(usize) -> bool) -> Self {
-        let mut met = self.clone();
-        for (_, edge) in canvas.edges.iter().enumerate().filter(|(number, _)| is_shared(*number)) {
-            let sides = canvas.sides(edge);
-            let along = |side: &Side| self.along(side.face as usize, side.edge.into());
-            let finest = sides.iter().map(along).max().unwrap_or(0);
-            for side in sides {
-                let exponents = &mut met.faces[side.face as usize];
-                let axes = if canvas.faces[side.face as usize].is_triangle() { 0..2 } else { 0..0 };
-                let axis = usize::from(side.edge) % 2;
-                for axis in axes.chain([axis]) {
-                    exponents[axis] = exponents[axis].max(finest);
-                }
-            }
-        }
-        met
     }
 }
 

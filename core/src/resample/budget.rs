@@ -39,7 +39,11 @@ impl Choice {
 
 impl Candidates<'_> {
     fn texels(&self, face: usize, candidate: u32) -> f64 {
-        let segments = self.rates.of(face)[candidate as usize].map(|exponent| 1 << exponent);
+        self.texels_of(face, self.rates.of(face)[candidate as usize])
+    }
+
+    pub(super) fn texels_of(&self, face: usize, exponents: [u8; 2]) -> f64 {
+        let segments = exponents.map(|exponent| 1 << exponent);
         (self.texels)(Shape { is_triangle: self.canvas.faces[face].is_triangle(), segments })
     }
 
@@ -61,7 +65,7 @@ impl Candidates<'_> {
     }
 
     /// What each channel's squared codes count for, so that one is not bought at the cost of another.
-    fn channel_weights(&self) -> Vec<f64> {
+    pub(super) fn channel_weights(&self) -> Vec<f64> {
         let mut sums = vec![0.0; self.rates.channel_count()];
         let mut area = 0.0;
         for (number, face) in self.canvas.faces.iter().enumerate() {
@@ -76,16 +80,22 @@ impl Candidates<'_> {
             .collect()
     }
 
+    pub(super) fn total_area(&self) -> f64 {
+        self.canvas.faces.iter().map(|face| f64::from(face.area)).sum()
+    }
+
+    /// A face's squared error over all channels, times its area.
+    pub(super) fn error(&self, face: usize, candidate: u32, weights: &[f64]) -> f64 {
+        let errors = self.rates.errors(face, candidate as usize).zip(weights);
+        let weighted = errors.map(|(error, weight)| f64::from(error.mean_square) * weight);
+        weighted.sum::<f64>() * f64::from(self.canvas.faces[face].area)
+    }
+
     /// A face's steps from the fewest texels to those of `most`, along the lower convex hull of error over texels: each
     /// buys less than the one before.
     fn steps(&self, face: usize, most: u32, weights: &[f64]) -> (u32, Vec<Step>) {
-        let area = f64::from(self.canvas.faces[face].area);
-        let point = |candidate: u32| {
-            let errors = self.rates.errors(face, candidate as usize).zip(weights);
-            let error =
-                errors.map(|(error, weight)| f64::from(error.mean_square) * weight).sum::<f64>() * area;
-            (self.texels(face, candidate), error, candidate)
-        };
+        let point =
+            |candidate: u32| (self.texels(face, candidate), self.error(face, candidate, weights), candidate);
         let limit = self.texels(face, most);
         let mut points: Vec<_> = (0..self.rates.of(face).len() as u32)
             .map(point)
@@ -124,15 +134,24 @@ struct Step {
     candidate: u32,
 }
 
+/// What a number of texels bought.
+pub struct Spent {
+    /// By material.
+    pub choices: Vec<Choice>,
+    pub texels: f64,
+    /// Weighted error by texel and by the material's area that the last step took away.
+    pub least_gain: f64,
+}
+
 /// Spends a number of texels over the faces of all materials where they take away most of the error, up to what each face
 /// has in `most`. Faces have at least their fewest, whatever that comes to.
-pub fn spend(materials: &[Candidates<'_>], most: &[Choice], texels: f64) -> Vec<Choice> {
+pub fn spend(materials: &[Candidates<'_>], most: &[Choice], texels: f64) -> Spent {
     let mut choices = Vec::with_capacity(materials.len());
     let mut steps = Vec::new();
     let mut spent = 0.0;
     for (number, (material, most)) in materials.iter().zip(most).enumerate() {
         let weights = material.channel_weights();
-        let total: f64 = material.canvas.faces.iter().map(|face| f64::from(face.area)).sum();
+        let total = material.total_area();
         let mut taken = Vec::with_capacity(most.taken.len());
         for (face, &most) in most.taken.iter().enumerate() {
             let (first, own) = material.steps(face, most, &weights);
@@ -153,15 +172,17 @@ pub fn spend(materials: &[Candidates<'_>], most: &[Choice], texels: f64) -> Vec<
     });
     // A face whose next step is too much is done; others may have smaller ones.
     let mut is_done: Vec<Vec<bool>> = choices.iter().map(|choice| vec![false; choice.taken.len()]).collect();
+    let mut least_gain = f64::INFINITY;
     for (step, material, face) in steps {
         let is_done = &mut is_done[material][face];
         *is_done |= spent + step.texels > texels;
         if !*is_done {
             spent += step.texels;
+            least_gain = step.gain;
             choices[material].taken[face] = step.candidate;
         }
     }
-    choices
+    Spent { choices, texels: spent, least_gain }
 }
 
 #[cfg(test)]

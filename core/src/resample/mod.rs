@@ -9,6 +9,7 @@ mod cuts;
 mod fitted;
 mod gather;
 mod mass;
+mod meet;
 mod pairing;
 mod quadrature;
 mod rate;
@@ -17,7 +18,7 @@ mod samples;
 #[cfg(test)]
 mod tests;
 
-pub use budget::{Candidates, Choice, spend};
+pub use budget::{Candidates, Choice, Spent, spend};
 pub use cuts::find_cuts;
 pub use fitted::Fit;
 pub use pairing::pair_triangles;

@@ -2,8 +2,8 @@
 //!
 //! The source is read once on the finest grid that a face may have. There every coarser grid is judged at some of the
 //! points: its samples are every so many-th of the finest's, and between them it is bilinear (on a triangle linear). The finest itself is
-//! judged in the middles of its cells. Errors are in 8-bit codes. That an edge takes the smaller exponent of its faces
-//! is left out.
+//! judged in the middles of its cells. Errors are in 8-bit codes. What an edge takes from its finer face is
+//! not in here (see `meet`).
 
 use std::sync::LazyLock;
 

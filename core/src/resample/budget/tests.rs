@@ -77,8 +77,9 @@ fn a_budget_goes_where_the_error_is() {
     };
     let mut last = f64::INFINITY;
     for budget in [1.0, 40.0, 100.0, 300.0, 1e9] {
-        let choice =
-            with(&canvas, &rates, |own| spend(&[own], std::slice::from_ref(&finest), budget)).remove(0);
+        let choice = with(&canvas, &rates, |own| spend(&[own], std::slice::from_ref(&finest), budget))
+            .choices
+            .remove(0);
         let exponents = choice.resolutions(&rates).faces;
         let spent: f64 = exponents.iter().map(|[r, _]| texels(Shape::triangle(1 << r))).sum();
         assert!(spent <= budget.max(2.0 * texels(Shape::triangle(1))), "{budget}: {exponents:?}");
