@@ -9,7 +9,7 @@ use super::rate::Rates;
 const PEAK_FACTOR: f32 = 4.0;
 /// A channel's error counts in shares of what it is with the finest exponents, or of this where that is less: the codes
 /// that rounding alone leaves, squared.
-const MEAN_SQUARE_FLOOR: f64 = 0.25;
+const MEAN_SQUARE_FLOOR: f64 = 0.5;
 
 /// One material with what its faces might have.
 pub struct Candidates<'a> {

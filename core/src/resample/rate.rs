@@ -21,7 +21,7 @@ use crate::watch::{self, Watch};
 /// The finest grid that is read has sides of `2^10` segments. A face that has finer ones keeps them or gets one coarser than that.
 const EXPONENT_READ_MAX: u8 = 10;
 /// Points at which a face is judged, at most about.
-const POINTS: f32 = 100.0;
+const POINTS: f32 = 400.0;
 /// A face's two exponents may differ from those of its finest grid by so many levels more along one axis than along the other.
 const LEAN: i32 = 2;
 
