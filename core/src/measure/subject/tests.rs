@@ -283,7 +283,7 @@ fn materials_that_share_textures_are_judged_each_with_its_share() {
     // Half of the texels over half of the area: as the whole.
     let whole = measured(&square(Slot::Occlusion, gutters()), &super::tests::finished(Slot::Occlusion, ramp));
     let of = |channel: &ChannelReport| channel.fidelity.unwrap().yardstick_psnr_db;
-    let halves = [&result.channels[0], &result.channels[1]].map(|channel| of(channel));
+    let halves = [&result.channels[0], &result.channels[1]].map(of);
     let between = halves[0].min(halves[1])..=halves[0].max(halves[1]);
     assert!(between.contains(&of(&whole.channels[0])), "{halves:?} {}", of(&whole.channels[0]));
     // What is not known of one of them is not known of both.
