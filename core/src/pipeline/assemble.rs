@@ -22,7 +22,7 @@ pub fn assemble(asset: &Asset, conversions: &mut [MaterialConversion], groups: &
     for group in groups {
         let textures = Textures {
             first: finished.textures.len(),
-            part_count: group.part_count(),
+            channel_count: conversions[group.members[0]].channels.len(),
             tables: group
                 .packed
                 .iter()
@@ -46,10 +46,10 @@ pub fn assemble(asset: &Asset, conversions: &mut [MaterialConversion], groups: &
     finished
 }
 
-/// A group's textures in [`Finished::textures`]: by channel, and of each by part.
+/// A group's textures in [`Finished::textures`]: by part, and of each by channel.
 struct Textures {
     first: usize,
-    part_count: usize,
+    channel_count: usize,
     /// By part, with indexed coordinates.
     tables: Vec<Arc<BlockTable>>,
 }
@@ -118,7 +118,7 @@ fn primitive(
 ) -> FinishedPrimitive {
     let (mesh, primitive) = (places[0].primitive.0 as usize, places[0].primitive.1 as usize);
     let part = naming.part(places[0].canvas_face);
-    let texture = |channel: usize| textures.first + channel * textures.part_count + part;
+    let texture = |channel: usize| textures.first + part * textures.channel_count + channel;
     let mut target = FinishedPrimitive {
         mesh,
         primitive,

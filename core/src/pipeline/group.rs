@@ -64,11 +64,11 @@ impl Group {
         self.packed.as_ref().map_or(1, |packed| packed.pages.len())
     }
 
-    /// Takes the level images out of the conversions: all textures, part by part of one channel after the other.
+    /// Takes the level images out of the conversions: all textures, part by part and of each part by channel.
     pub fn take_textures(&self, conversions: &mut [MaterialConversion]) -> Vec<FinishedTexture> {
         let first = self.members[0];
         let materials: Vec<usize> = self.members.iter().map(|&member| conversions[member].material).collect();
-        let mut textures = Vec::new();
+        let mut textures: Vec<FinishedTexture> = Vec::new();
         for channel in 0..conversions[first].channels.len() {
             // One channel after the other: what was painted of it goes before the next comes.
             let painted: Vec<Vec<Image>> = (self.members.iter())
@@ -87,6 +87,8 @@ impl Group {
                 });
             }
         }
+        // Stable: channels stay in their order.
+        textures.sort_by_key(|texture| texture.part);
         textures
     }
 
