@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 use std::error::Error;
 
-use meshcolor::finished::{Anchor, BlockTable, Coordinates, Finished};
+use meshcolor::finished::{Anchor, BlockTable, Coordinates, Finished, FinishedTexture};
 use meshcolor::image::Image;
 use meshcolor::pipeline::{BlockFormat, Options, convert_asset};
 use meshcolor::read::{Limits, Upload, read};
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         finished.textures.iter().zip(&decoded.textures).map(|(a, b)| [a, b]).enumerate()
     {
         for (level, image) in source.levels.iter().enumerate() {
-            let Some(layout) = Layout::of(&finished, source.material, level) else { continue };
+            let Some(layout) = Layout::of(&finished, source, level) else { continue };
             let mut several = Mean::default();
             let mut one = Mean::default();
             for y in (0..image.height).step_by(SIDE as usize) {
@@ -64,12 +64,11 @@ struct Layout {
 }
 
 impl Layout {
-    fn of(finished: &Finished, material: usize, level: usize) -> Option<Self> {
-        let size =
-            finished.textures.iter().find(|texture| texture.material == material)?.levels[level].size();
+    fn of(finished: &Finished, texture: &FinishedTexture, level: usize) -> Option<Self> {
+        let size = texture.levels[level].size();
         let mut blocks = BTreeSet::new();
         let mut table: Option<&BlockTable> = None;
-        for piece in finished.primitives.iter().filter(|piece| piece.material == material) {
+        for piece in finished.primitives.iter().filter(|piece| texture.is_of(piece.material, piece.part)) {
             let Coordinates::Indexed(of) = &piece.coordinates else { return None };
             table = Some(of);
             blocks.extend(piece.triangles.iter().filter_map(|triangle| match triangle.anchor {

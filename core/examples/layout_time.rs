@@ -13,7 +13,7 @@ use meshcolor::image::{Image, Pixels};
 use meshcolor::layout::{Coordinates, Layout, LayoutRequest, arrange};
 use meshcolor::mesh::{CanvasMesh, Polygons, build, merge};
 use meshcolor::read::{Limits, MemoryFiles, Upload, read};
-use meshcolor::resample::{Resolution, find_cuts, pair_triangles, resolutions};
+use meshcolor::resample::{Resolution, find_cuts, pair_triangles, wanted_exponents};
 use meshcolor::source::{SurfaceSource, channels};
 use meshcolor::watch::Unwatched;
 
@@ -145,7 +145,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let canvas = merged.canvas;
     let lay_out = |coordinates: Coordinates| -> Result<(f64, Layout), Box<dyn Error>> {
         let is_elongated = coordinates == Coordinates::Indexed;
-        let resolutions = resolutions(Resolution::Area(1.0), is_elongated, &asset, &canvas, &sources);
+        let wanted = wanted_exponents(Resolution::Area(1.0), is_elongated, &asset, &canvas, &sources);
+        let resolutions = wanted.nearest();
         let (seconds, layout) = timed(|| {
             arrange(&LayoutRequest {
                 canvas: &canvas,

@@ -15,7 +15,7 @@ fn options(settings: &[(&str, &str)]) -> Options {
 fn blocks_are_reported_beside_what_was_before_and_change_nothing_else() {
     let asset = noise_asset(3, 6, Slot::BaseColor);
     // Levels in a range of their own come with 4D coordinates alone.
-    for (coordinates, has_ranges) in [("4d", true), ("indexed", false)] {
+    for (coordinates, has_ranges) in [("4d-rows", true), ("indexed", false)] {
         let convert = |settings: &[(&str, &str)]| {
             let always = [("textures", "ktx2"), ("cut", "255"), ("coordinates", coordinates)];
             let options = options(&[&always, settings].concat());
