@@ -1,8 +1,8 @@
 //! Which blocks there are, before they have places.
 
-use super::{Block, BlockKind, LayoutRequest, Place, Placement, TWIN_SHIFT};
+use super::{Block, BlockKind, LONE_EXPONENT_MAX, LayoutRequest, Place, Placement, TWIN_SHIFT};
 
-/// Quads, and lone triangles of one exponent two by two in face order.
+/// Quads, and lone triangles of one exponent two by two in face order, but where they do better alone.
 pub(super) fn blocks(request: &LayoutRequest<'_>, place: Place) -> Vec<Block> {
     let block = |kind, [r, s]: [u8; 2]| Block { kind, exponents: [r.max(s), r.min(s)], place };
     let mut blocks = Vec::new();
@@ -11,6 +11,10 @@ pub(super) fn blocks(request: &LayoutRequest<'_>, place: Place) -> Vec<Block> {
         let exponents = request.resolutions.faces[face as usize];
         if !canvas_face.is_triangle() {
             blocks.push(block(BlockKind::Quad(face), exponents));
+            continue;
+        }
+        if matches!(place, Place::Indexed { .. }) && exponents[0] <= LONE_EXPONENT_MAX {
+            blocks.push(block(BlockKind::Lone(face), exponents));
             continue;
         }
         let waiting = &mut waiting[usize::from(exponents[0])];

@@ -30,6 +30,9 @@ use crate::mesh::{CanvasFace, CanvasMesh};
 pub const SEPARATION: u32 = 2;
 /// Constant shift of the second lone triangle of a block, in texels of every level.
 pub const TWIN_SHIFT: u32 = 3;
+/// With indexed coordinates, lone triangles of up to this exponent have a block each, of `(n + 1)²` texels: at every level no
+/// more than half of what two take. (For larger ones it is more at level 0.)
+pub const LONE_EXPONENT_MAX: u8 = 1;
 /// Larger textures than any device takes, and samples are numbered in 32 bits, three to a normal.
 const SIDE_MAX: u32 = 32_768;
 
@@ -136,14 +139,15 @@ pub struct Layout {
     pub grids: Vec<Vec<ClassGrid>>,
 }
 
-/// Texels that a face takes at level 0 with what keeps it from the next; a lone triangle half of what two take.
+/// Texels that a face takes at level 0 with what keeps it from the next; of two lone triangles in a block each half.
 pub fn block_texels(coordinates: Coordinates, shape: Shape) -> f64 {
     let spare = match coordinates {
         Coordinates::ScaledInRows | Coordinates::Scaled => SEPARATION,
         Coordinates::Indexed => 1,
     };
     let [n, m] = shape.segments.map(|segments| f64::from(segments + spare));
-    if shape.is_triangle { 0.5 * (n + f64::from(TWIN_SHIFT)) * m } else { n * m }
+    let is_alone = coordinates == Coordinates::Indexed && shape.segments[0] <= 1 << LONE_EXPONENT_MAX;
+    if shape.is_triangle && !is_alone { 0.5 * (n + f64::from(TWIN_SHIFT)) * m } else { n * m }
 }
 
 /// Places every face.

@@ -17,7 +17,7 @@ mod turn;
 
 use crate::error::Result;
 use crate::image::Image;
-use crate::layout::{Class, Layout, Page};
+use crate::layout::{Class, LONE_EXPONENT_MAX, Layout, Page};
 use crate::mesh::CanvasMesh;
 
 pub use copy::Channel;
@@ -137,7 +137,7 @@ fn blocks(material: usize, painted: &Painted<'_>, twins: &[Option<Twin>]) -> Vec
             Block { material, class, faces: patch.faces }
         })
         .collect();
-    // Lone triangles of one exponent two by two.
+    // Lone triangles of one exponent two by two, but where they do better alone.
     let mut waiting: [Option<u32>; 32] = [None; 32];
     let lone = |exponent: u8, faces: &[u32]| Block {
         material,
@@ -147,6 +147,10 @@ fn blocks(material: usize, painted: &Painted<'_>, twins: &[Option<Twin>]) -> Vec
     let is_lone = |face: &usize| painted.canvas.faces[*face].is_triangle() && twins[*face].is_none();
     for face in (0..twins.len()).filter(is_lone) {
         let [exponent, _] = painted.layout.block(face).exponents;
+        if exponent <= LONE_EXPONENT_MAX {
+            blocks.push(lone(exponent, &[face as u32]));
+            continue;
+        }
         let waiting = &mut waiting[usize::from(exponent)];
         match waiting.take() {
             Some(first) => blocks.push(lone(exponent, &[first, face as u32])),
@@ -169,7 +173,8 @@ fn savings(group: &[Painted<'_>], twins: &[Vec<Option<Twin>>], blocks: &[Block])
             let block = painted.layout.block(face);
             let is_lone = block.kind.is_lone();
             let alone = Class { cells: [1, 1], exponents: block.exponents, is_lone, block_count: 0 };
-            let saved = texels(painted, &alone).map(|texels| if is_lone { texels / 2 } else { texels });
+            let saved =
+                texels(painted, &alone).map(|texels| if alone.has_two() { texels / 2 } else { texels });
             savings.shared_count += 1;
             savings.shared_texels = [0, 1].map(|k| savings.shared_texels[k] + saved[k]);
         }
@@ -192,7 +197,7 @@ impl Painted<'_> {
 }
 
 impl Block {
-    /// In which blocks of a part stand: classes that come down to one size follow each other.
+    /// In which blocks of a part stand: as [`Page::new`] and the table want it.
     fn order(&self) -> (bool, [u32; 2], [u8; 2], usize, u32) {
         (self.class.is_lone, self.class.cells, self.class.exponents, self.material, self.faces[0].0)
     }

@@ -52,6 +52,5 @@ fn fits(blocks: &[&Block], max_side: u32) -> bool {
     let mut sorted = blocks.to_vec();
     sorted.sort_by_key(|block| block.order());
     let (classes, _) = Class::number(sorted.iter().map(|block| block.class));
-    let [width, height] = Page::new(classes, 1, max_side).sizes[0];
-    width.max(height) <= max_side
+    Page::fits(&classes, max_side)
 }

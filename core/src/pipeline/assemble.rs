@@ -155,22 +155,22 @@ fn primitive(
     target
 }
 
-/// A class of a page in its table. Those of lone triangles come last.
+/// A class of a page in its table. Those with two triangles in a block come last.
 fn in_table(page: &Page, class: u32) -> u32 {
-    let lone_first = page.classes.partition_point(|class| !class.is_lone) as u32;
-    class + class.saturating_sub(lone_first)
+    let first_of_two = page.classes.partition_point(|class| !class.has_two()) as u32;
+    class + class.saturating_sub(first_of_two)
 }
 
-/// The table that finds blocks by their numbers. A class of lone triangles is two of the table's: the second for the
+/// The table that finds blocks by their numbers. A class with two triangles in a block is two of the table's: the second for the
 /// turned triangles of its blocks.
 fn table(page: &Page) -> BlockTable {
-    let shifts = |class: &Class| if class.is_lone { &[0, TWIN_SHIFT][..] } else { &[0] };
+    let shifts = |class: &Class| if class.has_two() { &[0, TWIN_SHIFT][..] } else { &[0] };
     let in_table = |class: &Class| {
         let class = *class;
         shifts(&class).iter().map(move |&shift| BlockClass {
             exponents: class.exponents,
             cells: class.cells,
-            gap: [if class.is_lone { 1 + TWIN_SHIFT } else { 1 }, 1],
+            gap: [if class.has_two() { 1 + TWIN_SHIFT } else { 1 }, 1],
             shift: [shift, 0],
         })
     };

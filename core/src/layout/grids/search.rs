@@ -1,0 +1,241 @@
+//! The plan that leaves least of a level empty: many are tried, and the best are changed here and there for as long as the
+//! work for a level lasts. Whatever is drawn is drawn from one seed.
+
+use super::skyline::{Group, Piece, Plan, Put, Skyline, Taste};
+use super::{ClassGrid, Level};
+
+/// Widths that are tried at first, as shares of a square's side: the first, the last, and how many.
+const WIDTHS: ([f64; 2], u32) = ([0.5, 1.6], 48);
+/// Coprime to their number: the order they are tried in goes over the whole range, should the work end early.
+const WIDTH_STRIDE: u32 = 29;
+/// Grids that are looked at for a level: at most, and for each pair of groups.
+const WORK_MAX: u64 = 4_000_000;
+const WORK_OF_PAIR: u64 = 10_000;
+/// What may be left empty of a level before the search goes on: one texel in so many.
+const EMPTY_PART: u64 = 200;
+/// Plans that are changed by turns.
+const PLANS_KEPT: usize = 6;
+/// A changed plan may be worse at first by up to this share of the texels, in the end not at all.
+const HEAT: f64 = 0.005;
+/// Changes at a time.
+const CHANGES_MAX: u32 = 3;
+/// Height that grids should keep to beyond what all texels need, as a share of it.
+const SPARE_MAX: f32 = 0.02;
+/// What weighs how much; found by trying on six class lists of three models.
+const TASTE: Taste = Taste { lost: 1.0, over: 6.0, full_width: 0.1, as_high: [0.06, 0.06], large: 2.0 };
+/// Weights that are tried, as shares of these.
+const WEIGHTS: [f32; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
+
+/// The grids of a level with the least texels that were found within the limit.
+pub fn search(pieces: &[Piece], side_limit: u32) -> Option<Level> {
+    let texels: u64 = pieces.iter().map(Piece::texels).sum();
+    let widest = pieces.iter().map(|piece| piece.footprint[0]).max()?;
+    let side = (texels as f64).sqrt();
+    let [low, high] = WIDTHS.0.map(|share| ((side * share) as u32).clamp(widest, side_limit.max(widest)));
+    let joined = groups(pieces);
+    let pair_count = (joined.len() * joined.len()) as u64;
+    let mut search = Search {
+        pieces,
+        texels,
+        widths: [low, high],
+        side_limit,
+        random: Random(1),
+        skyline: Skyline::default(),
+        work_max: WORK_MAX.min(pair_count * WORK_OF_PAIR),
+        best: None,
+    };
+    let kept = search.first_plans(joined);
+    search.change(kept);
+    let best = search.best?;
+    let mut grids = vec![ClassGrid::default(); pieces.len()];
+    for put in &best.puts {
+        let mut first = 0;
+        for &class in &best.plan.groups[put.group].classes {
+            grids[class] = ClassGrid { columns: put.columns, first, origin: put.origin };
+            first += pieces[class].block_count;
+        }
+    }
+    Some(Level { size: best.size, grids })
+}
+
+/// Classes of one footprint together.
+fn groups(pieces: &[Piece]) -> Vec<Group> {
+    let mut order: Vec<usize> = (0..pieces.len()).collect();
+    order.sort_by_key(|&class| pieces[class].footprint);
+    let same = |&a: &usize, &b: &usize| pieces[a].footprint == pieces[b].footprint;
+    order.chunk_by(same).map(|classes| Group::new(pieces, classes.to_vec())).collect()
+}
+
+impl Group {
+    fn new(pieces: &[Piece], classes: Vec<usize>) -> Self {
+        let block_count = classes.iter().map(|&class| pieces[class].block_count).sum();
+        let footprint = pieces[classes[0]].footprint;
+        Self { piece: Piece { footprint, block_count }, classes, favor: 0.0, columns_max: u32::MAX }
+    }
+}
+
+struct Best {
+    plan: Plan,
+    puts: Vec<Put>,
+    size: [u32; 2],
+}
+
+struct Search<'a> {
+    /// By class.
+    pieces: &'a [Piece],
+    /// Of all blocks.
+    texels: u64,
+    /// The least and the most.
+    widths: [u32; 2],
+    side_limit: u32,
+    random: Random,
+    skyline: Skyline,
+    work_max: u64,
+    best: Option<Best>,
+}
+
+impl Search<'_> {
+    /// The texels of a plan, if there are no more than `texels_max` and it keeps to the limit.
+    fn attempt(&mut self, plan: &mut Plan, texels_max: u64) -> Option<u64> {
+        let width = u64::from(plan.width);
+        plan.goal = (self.texels.div_ceil(width) as f32 * (1.0 + plan.spare)) as u32;
+        let height_max = (texels_max / width).min(self.side_limit.into()) as u32;
+        let height = self.skyline.fill(plan, height_max)?;
+        let texels = width * u64::from(height);
+        let size = [plan.width, height];
+        let is_best = self.best.as_ref().is_none_or(|best| texels < product(best.size));
+        if is_best {
+            self.best = Some(Best { plan: plan.clone(), puts: self.skyline.puts.clone(), size });
+        }
+        Some(texels)
+    }
+
+    /// The best of all widths, with classes of one footprint together and each alone.
+    fn first_plans(&mut self, joined: Vec<Group>) -> Vec<(u64, Plan)> {
+        let alone: Vec<Group> =
+            (0..self.pieces.len()).map(|class| Group::new(self.pieces, vec![class])).collect();
+        let mut starts = vec![joined];
+        if starts[0].len() < alone.len() {
+            starts.push(alone);
+        }
+        let [low, high] = self.widths;
+        let count = WIDTHS.1.min(high - low + 1);
+        let mut plans: Vec<(u64, Plan)> = Vec::new();
+        for number in 0..WIDTHS.1 {
+            let place = number * WIDTH_STRIDE % WIDTHS.1;
+            if place >= count || self.skyline.work > self.work_max / 2 && !plans.is_empty() {
+                continue;
+            }
+            let width = low + (u64::from(high - low) * u64::from(place) / u64::from(count)) as u32;
+            for groups in &starts {
+                let taste = if place % 2 == 0 { TASTE } else { self.random.taste() };
+                let spare = 0.5 * SPARE_MAX * self.random.unit();
+                let mut plan = Plan { width, spare, goal: 0, taste, groups: groups.clone() };
+                plans.extend(self.attempt(&mut plan, u64::MAX).map(|texels| (texels, plan)));
+            }
+        }
+        plans.sort_by_key(|(texels, _)| *texels);
+        plans.truncate(PLANS_KEPT);
+        plans
+    }
+
+    /// Changes plans by turns and keeps what is better, or a little worse while there is much work left.
+    fn change(&mut self, mut kept: Vec<(u64, Plan)>) {
+        while self.skyline.work < self.work_max && !kept.is_empty() && !self.is_done() {
+            let number = self.random.below(kept.len() as u32) as usize;
+            let (was, plan) = &kept[number];
+            let work_left = 1.0 - self.skyline.work as f64 / self.work_max as f64;
+            let texels_max = *was as f64 * (1.0 + HEAT * f64::from(self.random.unit()) * work_left);
+            let mut plan = plan.clone();
+            for _ in 0..=self.random.below(CHANGES_MAX) {
+                self.change_once(&mut plan);
+            }
+            if let Some(texels) = self.attempt(&mut plan, texels_max as u64) {
+                kept[number] = (texels, plan);
+            }
+        }
+    }
+
+    fn is_done(&self) -> bool {
+        let enough = self.texels + self.texels / EMPTY_PART;
+        self.best.as_ref().is_some_and(|best| product(best.size) <= enough)
+    }
+
+    fn change_once(&mut self, plan: &mut Plan) {
+        let random = &mut self.random;
+        let number = random.below(plan.groups.len() as u32) as usize;
+        let group = &mut plan.groups[number];
+        match random.below(12) {
+            0 | 1 => {
+                let by = 1 + random.below(1 + plan.width / 64);
+                let width =
+                    if random.below(2) == 0 { plan.width + by } else { plan.width.saturating_sub(by) };
+                plan.width = width.clamp(self.widths[0], self.widths[1]);
+            }
+            2 => self.join_or_part(&mut plan.groups, number),
+            3 => plan.spare = SPARE_MAX * random.unit(),
+            4 => plan.taste = random.taste(),
+            5 | 6 => {
+                let most = (plan.width / group.piece.footprint[0]).clamp(1, group.piece.block_count);
+                group.columns_max = if random.below(3) == 0 { u32::MAX } else { 1 + random.below(most) };
+            }
+            kind => group.favor = (random.unit() - 0.5) * if kind % 2 == 0 { 0.4 } else { 1.5 },
+        }
+    }
+
+    /// Parts a group of several classes in two, or joins a single one with another of its size.
+    fn join_or_part(&mut self, groups: &mut Vec<Group>, number: usize) {
+        let classes = groups[number].classes.clone();
+        if classes.len() > 1 {
+            let (one, other) = classes.split_at(1 + self.random.below(classes.len() as u32 - 1) as usize);
+            groups[number] = Group::new(self.pieces, one.to_vec());
+            groups.push(Group::new(self.pieces, other.to_vec()));
+            return;
+        }
+        let footprint = groups[number].piece.footprint;
+        let is_other = |other: &usize| *other != number && groups[*other].piece.footprint == footprint;
+        if let Some(other) = (0..groups.len()).find(is_other) {
+            let all = classes.into_iter().chain(groups[other].classes.clone()).collect();
+            groups[number] = Group::new(self.pieces, all);
+            groups.swap_remove(other);
+        }
+    }
+}
+
+fn product([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
+}
+
+/// SplitMix64 (Steele et al. 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut word = self.0;
+        word = (word ^ word >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        word = (word ^ word >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        word ^ word >> 31
+    }
+
+    /// Below `count`.
+    fn below(&mut self, count: u32) -> u32 {
+        ((self.next() >> 32) * u64::from(count) >> 32) as u32
+    }
+
+    /// From 0 to 1.
+    fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1u32 << 24) as f32
+    }
+
+    fn taste(&mut self) -> Taste {
+        let mut weight = |usual: f32| usual * WEIGHTS[self.below(WEIGHTS.len() as u32) as usize];
+        Taste {
+            lost: weight(TASTE.lost),
+            over: weight(TASTE.over),
+            full_width: weight(TASTE.full_width),
+            as_high: TASTE.as_high.map(&mut weight),
+            large: weight(TASTE.large),
+        }
+    }
+}

@@ -1,0 +1,147 @@
+use std::collections::HashSet;
+
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed};
+
+use super::{Class, Page};
+
+fn class(cells: [u32; 2], exponents: [u8; 2], is_lone: bool, block_count: u32) -> Class {
+    Class { cells, exponents, is_lone, block_count }
+}
+
+/// Texels of all blocks at a level. Fails where two meet, or one leaves the image.
+fn filled(page: &Page, level: usize) -> Result<u64, TestCaseError> {
+    let [width, height] = page.sizes[level];
+    let mut taken = HashSet::new();
+    for (class, grid) in page.classes.iter().zip(&page.grids[level]) {
+        let [columns, rows] = class.footprint(level);
+        for number in 0..class.block_count {
+            let [x, y] = grid.first_texel(class, level, number);
+            prop_assert!(x + columns <= width && y + rows <= height, "level {}: {} {}", level, x, y);
+            for texel in (y..y + rows).flat_map(|y| (x..x + columns).map(move |x| [x, y])) {
+                prop_assert!(taken.insert(texel), "level {}: {:?} belongs to two blocks", level, texel);
+            }
+        }
+    }
+    Ok(taken.len() as u64)
+}
+
+/// The classes of a small animal: few blocks, and large ones among them.
+fn fox() -> Vec<Class> {
+    let quads = [
+        ([1, 1], [3, 3], 2),
+        ([1, 1], [4, 3], 4),
+        ([1, 1], [4, 4], 8),
+        ([1, 1], [5, 3], 6),
+        ([1, 1], [5, 4], 25),
+        ([1, 1], [5, 5], 6),
+        ([1, 1], [6, 3], 4),
+        ([1, 1], [6, 4], 17),
+        ([1, 1], [6, 5], 23),
+        ([1, 1], [6, 6], 16),
+        ([1, 1], [7, 4], 1),
+        ([1, 1], [7, 5], 7),
+        ([1, 1], [7, 6], 4),
+        ([1, 2], [5, 3], 2),
+        ([1, 2], [6, 4], 12),
+        ([1, 2], [6, 5], 18),
+        ([1, 2], [7, 5], 2),
+        ([2, 1], [4, 4], 6),
+        ([2, 1], [5, 5], 9),
+    ];
+    let lone = [(3, 1), (4, 19), (5, 22), (6, 7)];
+    let quads = quads.into_iter().map(|(cells, exponents, count)| class(cells, exponents, false, count));
+    quads.chain(lone.map(|(r, count)| class([1, 1], [r; 2], true, count))).collect()
+}
+
+/// Many classes of small blocks, as a budget of texels makes them.
+fn coarse() -> Vec<Class> {
+    let shapes = (0..5).flat_map(|r| (0..=r).map(move |s| [r, s]));
+    let of_shape = |(number, exponents): (usize, [u8; 2])| {
+        let count = |share: usize| (400 / (share + number * number) + 1) as u32;
+        let cells = [([1, 1], 1), ([1, 2], 3), ([2, 1], 4), ([4, 1], 20)];
+        cells.map(|(cells, share)| class(cells, exponents, false, count(share)))
+    };
+    let quads = shapes.enumerate().flat_map(of_shape);
+    let mut all: Vec<Class> = quads.chain((0..4).map(|r| class([1, 1], [r; 2], true, 40))).collect();
+    all.sort_by_key(|class| (class.is_lone, class.cells, class.exponents));
+    all
+}
+
+/// At every level, and where few blocks leave little choice too.
+#[test]
+fn little_is_left_empty() {
+    for (classes, most) in [(fox(), [0.04, 0.02]), (coarse(), [0.04, 0.03])] {
+        let page = Page::new(classes, 9, 4096);
+        let mut sum = [0; 2];
+        for (level, [width, height]) in page.sizes.iter().enumerate() {
+            let (used, all) = (filled(&page, level).unwrap(), u64::from(width * height));
+            let empty = 1.0 - used as f64 / all as f64;
+            assert!(empty < most[0], "level {level}: {width} x {height}, {empty}");
+            sum = [sum[0] + used, sum[1] + all];
+        }
+        let empty = 1.0 - sum[0] as f64 / sum[1] as f64;
+        assert!(empty < most[1], "{empty}");
+    }
+}
+
+/// The same on one thread and on several.
+#[test]
+fn threads_change_nothing() {
+    let page = |count: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+        pool.install(|| Page::new(fox(), 6, 4096))
+    };
+    let (one, three) = (page(1), page(3));
+    assert_eq!((one.sizes, one.grids), (three.sizes, three.grids));
+}
+
+/// A limit is kept to while there is room for all, and it is no wider than that where there is not.
+#[test]
+fn a_limit_is_kept_to() {
+    let classes = vec![class([1, 1], [5, 5], false, 62), class([1, 1], [2, 2], false, 10)];
+    assert!(Page::fits(&classes, 272));
+    let page = Page::new(classes.clone(), 3, 272);
+    assert!(page.sizes[0].into_iter().all(|side| side <= 272), "{:?}", page.sizes);
+    assert!(!Page::fits(&classes, 200));
+    assert!(Page::new(classes, 3, 200).sizes[0].into_iter().any(|side| side > 200));
+}
+
+#[test]
+fn nothing_takes_next_to_nothing() {
+    assert_eq!(Page::new(Vec::new(), 2, 64).sizes, [[1, 1]; 2]);
+}
+
+fn classes() -> impl Strategy<Value = Vec<Class>> {
+    let cells = (0u32..3, 0u32..3).prop_map(|(x, y)| [1 << x, 1 << y]);
+    let quads = (cells, 0u8..6, 0u8..6, 1u32..40)
+        .prop_map(|(cells, r, s, count)| class(cells, [r.max(s), r.min(s)], false, count));
+    let lone = (0u8..5, 1u32..20).prop_map(|(r, count)| class([1, 1], [r; 2], true, count));
+    (prop::collection::vec(quads, 0..12), prop::collection::vec(lone, 0..4)).prop_map(|(quads, lone)| {
+        let mut all: Vec<Class> = quads.into_iter().chain(lone).collect();
+        all.sort_by_key(|class| (class.is_lone, class.cells, class.exponents));
+        all.dedup_by_key(|class| (class.is_lone, class.cells, class.exponents));
+        all
+    })
+}
+
+proptest! {
+    #![proptest_config(Config {
+        cases: 24,
+        rng_seed: RngSeed::Fixed(7),
+        failure_persistence: None,
+        ..Config::default()
+    })]
+
+    /// Every block has texels of its own inside the image, whatever the classes.
+    #[test]
+    fn blocks_of_a_page_never_meet(classes in classes()) {
+        let page = Page::new(classes, 8, 4096);
+        for level in 0..8 {
+            let count: u64 = page.classes.iter().map(|class| {
+                class.footprint(level).into_iter().map(u64::from).product::<u64>() * u64::from(class.block_count)
+            }).sum();
+            prop_assert_eq!(filled(&page, level)?, count);
+        }
+    }
+}
