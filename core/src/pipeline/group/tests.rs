@@ -21,7 +21,7 @@ fn mirrored_sheets() -> Asset {
         }
         for cell in (0..4).flat_map(|y| (0..4).map(move |x| first + 5 * y + x)) {
             let [a, b, c, d] = [cell, cell + 1, cell + 6, cell + 5];
-            primitive.faces.push(Face::quad(if is_mirrored { [b, a, d, c] } else { [a, b, c, d] }));
+            primitive.faces.push(Face::quad(if is_mirrored { [a, d, c, b] } else { [a, b, c, d] }));
         }
     }
     asset.meshes = vec![Mesh { name: "two sheets".into(), primitives: vec![primitive] }];
