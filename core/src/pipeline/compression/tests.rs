@@ -12,7 +12,6 @@ fn options(settings: &[(&str, &str)]) -> Options {
 }
 
 #[test]
-#[ignore = "BC6H crashes in builds that are not incremental"]
 fn blocks_are_reported_beside_what_was_before_and_change_nothing_else() {
     let asset = noise_asset(3, 6, Slot::BaseColor);
     // Levels in a range of their own come with 4D coordinates alone.

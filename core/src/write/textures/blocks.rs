@@ -16,12 +16,12 @@ use half::f16;
 use ktx2::Format;
 use rayon::prelude::*;
 
-use crate::error::{Error, ErrorCode, Result};
+use crate::error::{Error, Result};
 use crate::image::{Image, LevelRange, Pixels, Transfer};
 
 use super::Level;
 use super::encoders::{Whole, astc_decoded};
-use super::gpu::{Texels, colors, numbers};
+use super::gpu::{Texels, colors, half_floats, numbers};
 
 /// Texels along the side of a block.
 pub const SIDE: usize = 4;
@@ -96,21 +96,17 @@ impl Blocks {
     /// `Internal` where the library refuses the level.
     pub(super) fn encode(level: &Level<'_>, formats: &BTreeSet<BlockFormat>) -> Result<Option<Self>> {
         let Some(format) = formats.iter().copied().find(|format| format.fits(level)) else { return Ok(None) };
-        if format == BlockFormat::Bc6h {
-            let detail = "compress = \"bc6h\" does not work yet: some builds of it crash; leave it out, and levels in a range of \
-                          their own stay as they are";
-            return Err(Error::new(ErrorCode::InvalidOptions, detail).at("/compress"));
-        }
         let image = level.image;
         let codes: &[u8] = if let Pixels::U8(codes) = &image.pixels { codes } else { &[] };
         let mut bias = Vec4::ZERO;
         let mut keys = vec![("MCTsize", format!("{} {}", image.width, image.height))];
         let bytes: Vec<u8> = match format {
             BlockFormat::Bc6h => {
-                bias = least(level);
+                let mut values = level.values();
+                bias = least(&values);
                 keys.extend([("MCTbias", numbers(&RGBA, &bias)), ("MCTscale", numbers(&RGBA, &Vec4::ONE))]);
-                let above = |at: (u32, u32)| (level.value(at) - bias).to_array();
-                level.places().flat_map(above).flat_map(|value| f16::from_f32(value).to_le_bytes()).collect()
+                values.iter_mut().for_each(|value| *value -= bias);
+                half_floats(&values)
             }
             BlockFormat::Bc5 => {
                 if image.components == 2 {
@@ -227,8 +223,7 @@ fn unit_z(x: f32, y: f32) -> f32 {
     0.5 + 0.5 * (1.0 - x * x - y * y).max(0.0).sqrt()
 }
 
-/// Of red, green and blue the least value of all texels, where it is below 0.
-fn least(level: &Level<'_>) -> Vec4 {
-    let least = level.places().map(|at| level.value(at)).fold(Vec4::ZERO, Vec4::min);
-    least.truncate().extend(0.0)
+/// Of red, green and blue the least value, where it is below 0.
+fn least(values: &[Vec4]) -> Vec4 {
+    values.iter().copied().fold(Vec4::ZERO, Vec4::min).truncate().extend(0.0)
 }
