@@ -38,7 +38,7 @@ fn texels_row(name: &str, study: &Study) -> String {
     let saved = |from: f64, to: f64| percent(from - to, *texels);
     let psnr = rule.squared.map(|squared| decibels(squared / rule.weight)).join(", ");
     format!(
-        "| {name} | {} | {} | {} | {} | {:.0} | {:.0} | {:.0} | {} | {psnr} | {} | {} |",
+        "| {name} | {} | {} | {} | {} | {:.0} | {:.0} | {:.0} | {} | {psnr} | {} | {} | {} |",
         study.triangle_count,
         study.lone_count,
         study.elongated_count,
@@ -48,7 +48,8 @@ fn texels_row(name: &str, study: &Study) -> String {
         rule.two_texels,
         saved(rule.one_texels, rule.two_texels),
         saved(equal.one_texels, equal.paper_texels),
-        saved(equal.one_texels, equal.exact_texels)
+        saved(equal.one_texels, equal.exact_texels),
+        saved(equal.one_texels, equal.free_texels)
     )
 }
 
@@ -77,9 +78,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut costs = Vec::new();
     println!(
         "| model | triangles | lone | elongated | diagonal free | texels, all faces | elongated: one exponent | two | saved, % of all | \
-         dB: one, paper, exact | saved at equal error, %: paper | exact |"
+         dB: one, paper, exact | saved at equal error, %: paper | exact | free alone |"
     );
-    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
+    println!("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|");
     for path in std::env::args().skip(1) {
         let path = Path::new(&path);
         let study = study(path)?;

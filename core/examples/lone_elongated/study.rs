@@ -46,6 +46,8 @@ pub struct AtEqualError {
     pub one_texels: f64,
     pub paper_texels: f64,
     pub exact_texels: f64,
+    /// With two exponents where the diagonal is free, which needs neither rule; else with one.
+    pub free_texels: f64,
 }
 
 /// Codes, where the diagonal is bound to a neighbor.
@@ -94,9 +96,11 @@ impl Study {
         };
         let least = cheapest(Grid::new(same).texels(), Rule::Exact, false);
         let at_equal_error = &mut self.at_equal_error;
+        let paper = cheapest(least, Rule::Paper, true);
         at_equal_error.one_texels += least;
-        at_equal_error.paper_texels += cheapest(least, Rule::Paper, true);
+        at_equal_error.paper_texels += paper;
         at_equal_error.exact_texels += cheapest(least, Rule::Exact, true);
+        at_equal_error.free_texels += if one.is_bound.contains(&true) { least } else { paper };
 
         for (face, _) in faces.iter().zip(&one.is_bound).filter(|(_, is_bound)| **is_bound) {
             let codes = |value: DVec3| face.codes(value);
