@@ -148,14 +148,16 @@ fn main() -> Result<(), Box<dyn Error>> {
         let wanted = wanted_exponents(Resolution::Area(1.0), is_elongated, &asset, &canvas, &sources);
         let resolutions = wanted.nearest();
         let (seconds, layout) = timed(|| {
-            arrange(&LayoutRequest {
+            arrange(&[LayoutRequest {
                 canvas: &canvas,
                 resolutions: &resolutions,
                 diagonals: &vec![0; canvas.faces.len()],
                 level_count: level_count(&canvas, &resolutions),
                 side_limit: 16_384,
+                part_side: 16_384,
                 coordinates,
-            })
+            }])
+            .map(|mut layouts| layouts.remove(0))
         });
         Ok((seconds, layout?))
     };

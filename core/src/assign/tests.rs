@@ -30,15 +30,16 @@ fn case_of(resolutions: Resolutions, levels: usize, coordinates: Coordinates) ->
     let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(2.0, 1.0, 0.0), Vec3::new(1.0, 2.0, 0.0)];
     let mut faces = [([0, 1, 2, 0], 3), ([1, 3, 4, 2], 4)].into_iter();
     let canvas = build([Polygons { mesh: 0, primitive: 0, positions: &positions, faces: &mut faces }]);
-    let layout = arrange(&LayoutRequest {
+    let layouts = arrange(&[LayoutRequest {
         canvas: &canvas,
         resolutions: &resolutions,
         diagonals: &[1, 0],
         level_count: levels,
         side_limit: 16_384,
+        part_side: 16_384,
         coordinates,
-    });
-    Case { layout: layout.unwrap(), canvas, resolutions }
+    }]);
+    Case { layout: layouts.unwrap().remove(0), canvas, resolutions }
 }
 
 /// One channel at one level, all edges joined; with the number of its vertex samples.

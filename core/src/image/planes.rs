@@ -1,5 +1,8 @@
 //! An image as it is stored: integer codes, row 0 at the top, components interleaved.
 
+use glam::Vec4;
+
+use super::LevelRange;
 use crate::math::transfer::{SRGB8_TO_LINEAR, srgb_to_linear};
 
 /// How a stored code in [0, 1] relates to the value that is filtered.
@@ -62,6 +65,14 @@ impl Image {
             2 => [code(0), code(0), code(0), code(1)],
             3 => [code(0), code(1), code(2), 1.0],
             _ => [code(0), code(1), code(2), code(3)],
+        }
+    }
+
+    /// The value of one texel as it enters a filter, of a level that may be stored in a range.
+    pub fn value(&self, x: u32, y: u32, transfer: Transfer, range: Option<&LevelRange>) -> Vec4 {
+        match range {
+            Some(range) => range.texel(self, x, y),
+            None => Vec4::from(self.linear(x, y, transfer)),
         }
     }
 

@@ -16,7 +16,8 @@ mod tests;
 use rayon::prelude::*;
 
 use super::blocks::{blocks, placements};
-use super::{Block, Class, LONE_EXPONENT_MAX, Layout, LayoutRequest, Place, SIDE_MAX, TWIN_SHIFT};
+use super::{Block, Class, LONE_EXPONENT_MAX, Layout, LayoutRequest, Place, TWIN_SHIFT, too_large};
+use crate::error::Result;
 use level_set::LevelSet;
 use search::search;
 use skyline::Piece;
@@ -141,7 +142,10 @@ impl ClassGrid {
 }
 
 /// Places every face.
-pub(super) fn arrange(request: &LayoutRequest<'_>) -> Layout {
+///
+/// # Errors
+/// `TextureTooLarge`.
+pub(super) fn arrange(request: &LayoutRequest<'_>, side_limit: u32) -> Result<Layout> {
     let mut blocks = blocks(request, Place::Indexed { class: 0, number: 0 });
     blocks.sort_by_key(|block| (block.kind.is_lone(), block.exponents, block.kind.first()));
     let class = |block: &Block| Class {
@@ -154,7 +158,6 @@ pub(super) fn arrange(request: &LayoutRequest<'_>) -> Layout {
     for (block, [class, number]) in blocks.iter_mut().zip(numbers) {
         block.place = Place::Indexed { class, number };
     }
-    let side_limit = request.side_limit.min(SIDE_MAX);
     let mut layout = Layout { placements: placements(request, &blocks), blocks, ..Layout::default() };
     for level in 0..request.level_count {
         let set = LevelSet::narrowest(&classes, level, side_limit);
@@ -163,5 +166,10 @@ pub(super) fn arrange(request: &LayoutRequest<'_>) -> Layout {
         layout.grids.push(set.class_grids(&classes));
     }
     layout.classes = classes;
-    layout
+    let size = layout.sizes[0];
+    if size.into_iter().all(|side| side <= side_limit) {
+        Ok(layout)
+    } else {
+        Err(too_large(size.map(u64::from), side_limit))
+    }
 }

@@ -12,10 +12,12 @@ mod grids;
 mod rows;
 mod scaled;
 mod shelves;
+mod split;
 #[cfg(test)]
 mod tests;
 
 pub use grids::{ClassGrid, Page};
+pub use split::split;
 
 use std::ops::Range;
 
@@ -61,8 +63,10 @@ pub struct LayoutRequest<'a> {
     /// By face: the edge that a lone triangle puts on its diagonal.
     pub diagonals: &'a [u8],
     pub level_count: usize,
-    /// Largest side of an image.
+    /// A square of this side is the most that all faces may take.
     pub side_limit: u32,
+    /// Largest side of a part, with 4D coordinates. (Blocks with indexed ones get their parts in [`crate::pack`].)
+    pub part_side: u32,
     pub coordinates: Coordinates,
 }
 
@@ -87,8 +91,9 @@ pub struct Block {
 /// A block's place at all levels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// Its first texel at a level is `origin / 2^level + offset`: `u_s`, a multiple of its sides, and `u_δ - 1/2`.
-    Scaled { origin: [u32; 2], offset: [u32; 2] },
+    /// Its first texel at a level of its part is `origin / 2^level + offset`: `u_s`, a multiple of its sides, and
+    /// `u_δ - 1/2`.
+    Scaled { part: u32, origin: [u32; 2], offset: [u32; 2] },
     /// Its class, and its number there.
     Indexed { class: u32, number: u32 },
 }
@@ -122,6 +127,15 @@ pub struct Band {
     pub blocks: Vec<Range<usize>>,
 }
 
+/// What becomes an image of its own: rows of the painted one, from its first column.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Part {
+    /// Width and height by level, texels.
+    pub sizes: Vec<[u32; 2]>,
+    /// In the painted image, by level.
+    pub first_rows: Vec<u32>,
+}
+
 /// All faces of one material.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
@@ -129,8 +143,10 @@ pub struct Layout {
     pub blocks: Vec<Block>,
     /// By face.
     pub placements: Vec<Placement>,
-    /// Width and height by level, texels.
+    /// Width and height of what is painted by level, texels.
     pub sizes: Vec<[u32; 2]>,
+    /// Of 4D coordinates: one below the other.
+    pub parts: Vec<Part>,
     /// By level.
     pub bands: Vec<Vec<Band>>,
     /// Of indexed coordinates.
@@ -150,27 +166,25 @@ pub fn block_texels(coordinates: Coordinates, shape: Shape) -> f64 {
     if shape.is_triangle && !is_alone { 0.5 * (n + f64::from(TWIN_SHIFT)) * m } else { n * m }
 }
 
-/// Places every face.
+/// Places every face of materials that have their textures in common: by material. With 4D coordinates their blocks stand
+/// between each other in the same images; with indexed ones each material is laid out by itself.
+///
+/// The coordinates and limits of the first request count.
 ///
 /// # Errors
-/// `TextureTooLarge` where level 0 would exceed the limit.
-pub fn arrange(request: &LayoutRequest<'_>) -> Result<Layout> {
-    let limit = request.side_limit.min(SIDE_MAX);
-    let least_side = least_texels(request).sqrt().ceil() as u64;
+/// `TextureTooLarge` where level 0 would exceed a limit.
+pub fn arrange(requests: &[LayoutRequest<'_>]) -> Result<Vec<Layout>> {
+    let Some(first) = requests.first() else { return Ok(Vec::new()) };
+    let limit = first.side_limit.min(SIDE_MAX);
     // Before anything is packed: all that is counted on the way fits into 32 bits then.
+    let least_side = requests.iter().map(least_texels).sum::<f64>().sqrt().ceil() as u64;
     if least_side > limit.into() {
         return Err(too_large([least_side; 2], limit));
     }
-    let layout = match request.coordinates {
-        Coordinates::ScaledInRows => rows::arrange(request),
-        Coordinates::Scaled => shelves::arrange(request),
-        Coordinates::Indexed => grids::arrange(request),
-    };
-    let [width, height] = layout.sizes[0];
-    if width.max(height) <= limit {
-        Ok(layout)
-    } else {
-        Err(too_large([width, height].map(u64::from), limit))
+    match first.coordinates {
+        Coordinates::ScaledInRows => scaled::arrange(requests, rows::pack),
+        Coordinates::Scaled => scaled::arrange(requests, shelves::pack),
+        Coordinates::Indexed => requests.iter().map(|request| grids::arrange(request, limit)).collect(),
     }
 }
 
@@ -193,6 +207,15 @@ fn too_large([width, height]: [u64; 2], limit: u32) -> Error {
 }
 
 impl BlockKind {
+    /// The same of other faces.
+    fn renumbered(self, number: impl Fn(u32) -> u32) -> Self {
+        match self {
+            Self::Quad(face) => Self::Quad(number(face)),
+            Self::Lone(face) => Self::Lone(number(face)),
+            Self::Twins(faces) => Self::Twins(faces.map(number)),
+        }
+    }
+
     /// The first of its faces, by which blocks have an order.
     fn first(self) -> u32 {
         match self {
@@ -234,10 +257,34 @@ impl Layout {
         self.is_beyond(block, level) && level <= usize::from(block.exponents[0])
     }
 
+    /// The part that a face stands in.
+    pub fn part(&self, face: usize) -> usize {
+        match self.block(face).place {
+            Place::Scaled { part, .. } => part as usize,
+            Place::Indexed { .. } => 0,
+        }
+    }
+
+    fn first_row(&self, part: u32, level: usize) -> u32 {
+        self.parts[part as usize].first_rows[level]
+    }
+
+    /// Texels of a level over all parts.
+    pub fn texel_count(&self, level: usize) -> u64 {
+        let texels = |size: [u32; 2]| size.map(u64::from).into_iter().product::<u64>();
+        if self.parts.is_empty() {
+            return texels(self.sizes[level]);
+        }
+        self.parts.iter().map(|part| texels(part.sizes[level])).sum()
+    }
+
     /// First texel of a block, or of its footprint along an axis that is beyond vertex colors.
     pub fn first_texel(&self, block: &Block, level: usize) -> [u32; 2] {
         match block.place {
-            Place::Scaled { origin, offset } => [0, 1].map(|k| (origin[k] >> level) + offset[k]),
+            Place::Scaled { part, origin, offset } => {
+                let [x, y] = [0, 1].map(|k| (origin[k] >> level) + offset[k]);
+                [x, y + self.first_row(part, level)]
+            }
             Place::Indexed { class, number } => {
                 let class_grid = &self.grids[level][class as usize];
                 class_grid.first_texel(&self.classes[class as usize], level, number)
@@ -248,10 +295,10 @@ impl Layout {
     /// The block's first corner at any level in texels from the center of texel 0; exact.
     pub fn first_corner(&self, block: &Block, level: usize) -> DVec2 {
         match block.place {
-            Place::Scaled { origin, offset } => {
+            Place::Scaled { part, origin, offset } => {
                 let scale = (-(level as f64)).exp2();
                 let axis = |k: usize| f64::from(origin[k]) * scale + f64::from(offset[k]);
-                DVec2::new(axis(0), axis(1))
+                DVec2::new(axis(0), axis(1) + f64::from(self.first_row(part, level)))
             }
             Place::Indexed { .. } => {
                 let [x, y] = self.first_texel(block, level);
@@ -298,12 +345,14 @@ impl Layout {
     }
 }
 
-#[cfg(test)]
 impl Layout {
     /// One past the last texel that a block may touch at a level.
-    fn block_end(&self, block: &Block, level: usize) -> [u32; 2] {
+    pub fn block_end(&self, block: &Block, level: usize) -> [u32; 2] {
         match block.place {
-            Place::Scaled { .. } => scaled::end(block, level),
+            Place::Scaled { part, .. } => {
+                let [x, y] = scaled::end(block, level);
+                [x, y + self.first_row(part, level)]
+            }
             Place::Indexed { class, .. } => {
                 let [x, y] = self.first_texel(block, level);
                 let [width, height] = self.classes[class as usize].footprint(level);

@@ -1,26 +1,23 @@
 //! The rows layout (MCT Algorithm 1) for 4D coordinates, the paper's: blocks from large to small, in rows from left to
 //! right.
 
-use super::blocks::blocks;
-use super::scaled::{NOWHERE, extra_columns, layout, segments, size, steps};
-use super::{Block, Layout, LayoutRequest, Place, SEPARATION, SIDE_MAX};
+use super::scaled::{PackLimits, Sheet, extra_columns, segments, size, steps};
+use super::{Block, Place, SEPARATION};
 
-/// Places every face, within the largest side where that can be.
-pub(super) fn arrange(request: &LayoutRequest<'_>) -> Layout {
-    let mut blocks = blocks(request, NOWHERE);
+/// Packs blocks, within the largest side where that can be.
+pub(super) fn pack(mut blocks: Vec<Block>, limits: PackLimits) -> Sheet {
     // Large to small: by height, then by width, then by face, so that the order is total.
     blocks.sort_by_key(|block| {
         let [r, s] = block.exponents;
         (std::cmp::Reverse((s, r, extra_columns(block.kind))), block.kind.first())
     });
-    let side_limit = request.side_limit.min(SIDE_MAX);
     let square = square_width(&blocks);
-    let mut row_starts = pack(&mut blocks, square);
-    if size(&blocks, 0)[1] > side_limit {
+    let mut row_starts = pack_rows(&mut blocks, square);
+    if size(&blocks, 0)[1] > limits.side {
         // Rows that leave much empty make a square too high; wider ones may fit.
-        row_starts = pack(&mut blocks, side_limit);
+        row_starts = pack_rows(&mut blocks, limits.side);
     }
-    layout(request, blocks, &row_starts)
+    Sheet { blocks, row_starts }
 }
 
 /// The side of a square that holds all blocks with their separation.
@@ -33,7 +30,7 @@ fn square_width(blocks: &[Block]) -> u32 {
 }
 
 /// Gives sorted blocks their places; returns the first block of each row.
-fn pack(blocks: &mut [Block], target_width: u32) -> Vec<usize> {
+fn pack_rows(blocks: &mut [Block], target_width: u32) -> Vec<usize> {
     let mut row_starts = Vec::new();
     let mut origin = [0u32; 2];
     let mut offset = [0u32; 2];
@@ -51,7 +48,7 @@ fn pack(blocks: &mut [Block], target_width: u32) -> Vec<usize> {
             row_segments = m;
             row_starts.push(number);
         }
-        block.place = Place::Scaled { origin, offset };
+        block.place = Place::Scaled { part: 0, origin, offset };
         origin[0] += n;
         offset[0] += steps(block.kind);
     }

@@ -17,28 +17,22 @@ mod search;
 use std::cmp::Reverse;
 use std::ops::Range;
 
-use super::blocks::blocks;
-use super::scaled::{NOWHERE, layout, steps};
-use super::{Block, Layout, LayoutRequest, Place, SEPARATION, SIDE_MAX};
+use super::scaled::{PackLimits, Sheet, steps};
+use super::{Block, Place, SEPARATION};
 use search::Search;
 
-/// Places every face, within the largest side where that can be.
-pub(super) fn arrange(request: &LayoutRequest<'_>) -> Layout {
-    let mut blocks = blocks(request, NOWHERE);
+/// Packs blocks, within the largest side where that can be.
+pub(super) fn pack(mut blocks: Vec<Block>, limits: PackLimits) -> Sheet {
     blocks.sort_by_key(|block| {
         let [r, s] = block.exponents;
         (Reverse((s, r, steps(block.kind))), block.kind.first())
     });
     let stocks = stocks(&blocks);
-    let search = Search {
-        stocks: &stocks,
-        level_count: request.level_count,
-        side_limit: request.side_limit.min(SIDE_MAX),
-    };
+    let search = Search { stocks: &stocks, level_count: limits.level_count, side_limit: limits.side };
     let next = stocks.iter().map(|stock| stock.blocks.start).collect();
     let mut places = Places { sorted: &blocks, next, placed: Vec::with_capacity(blocks.len()) };
     let row_starts = places.put_all(&search.best());
-    layout(request, places.placed, &row_starts)
+    Sheet { blocks: places.placed, row_starts }
 }
 
 /// Blocks that are as large as each other.
@@ -163,7 +157,7 @@ impl Places<'_> {
                 self.next[stock] += 1;
                 let n = 1 << block.exponents[0];
                 origin[0] = u32::next_multiple_of(origin[0], n);
-                self.placed.push(Block { place: Place::Scaled { origin, offset }, ..block });
+                self.placed.push(Block { place: Place::Scaled { part: 0, origin, offset }, ..block });
                 origin[0] += n;
                 offset[0] += steps(block.kind);
             }

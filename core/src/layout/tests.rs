@@ -31,14 +31,16 @@ fn layout(
     coordinates: Coordinates,
     side_limit: u32,
 ) -> crate::Result<Layout> {
-    arrange(&LayoutRequest {
+    let layouts = arrange(&[LayoutRequest {
         canvas,
         resolutions,
         diagonals: &vec![1; canvas.faces.len()],
         level_count: usize::from(resolutions.max()) + 3,
         side_limit,
+        part_side: side_limit,
         coordinates,
-    })
+    }]);
+    layouts.map(|mut layouts| layouts.remove(0))
 }
 
 /// Exponents of many kinds; of quads different ones along the axes.
@@ -255,4 +257,70 @@ fn a_layout_over_the_limit_says_how_to_mend_it() {
     assert_eq!(error.code, ErrorCode::TextureTooLarge);
     assert!(error.detail.contains("--resolution"), "{}", error.detail);
     assert_eq!(error.limit, Some(1024));
+}
+
+/// Two materials in parts of a limited size: no texel belongs to two blocks, blocks stay in their bands and parts.
+#[test]
+fn materials_stand_between_each_other_in_parts() {
+    for coordinates in [Coordinates::Scaled, Coordinates::ScaledInRows] {
+        let canvases = [strip(60, false), strip(40, true)];
+        let resolutions = canvases.each_ref().map(mixed);
+        let request = |k: usize| LayoutRequest {
+            canvas: &canvases[k],
+            resolutions: &resolutions[k],
+            diagonals: &[1; 60],
+            level_count: 8,
+            side_limit: 4096,
+            part_side: 64,
+            coordinates,
+        };
+        let layouts = arrange(&[request(0), request(1)]).unwrap();
+        let parts = &layouts[0].parts;
+        assert!(parts.len() > 1 && *parts == layouts[1].parts);
+        for level in 0..8 {
+            let mut taken = HashSet::new();
+            for layout in &layouts {
+                assert_eq!(
+                    layout.blocks.iter().flat_map(|block| block.kind.faces()).count(),
+                    layout.placements.len()
+                );
+                for bands in layout.bands[level].windows(2) {
+                    for block in
+                        bands[0].blocks.iter().cloned().flatten().map(|number| &layout.blocks[number])
+                    {
+                        assert!(layout.first_texel(block, level)[1] >= bands[0].first_row);
+                        assert!(layout.block_end(block, level)[1] <= bands[1].first_row);
+                    }
+                }
+                for block in &layout.blocks {
+                    let Place::Scaled { part, .. } = block.place else { unreachable!() };
+                    let part = &parts[part as usize];
+                    let (first, end) = (layout.first_texel(block, level), layout.block_end(block, level));
+                    let [width, height] = part.sizes[level];
+                    assert!(width.max(height) <= 64);
+                    let rows = part.first_rows[level]..=part.first_rows[level] + height;
+                    assert!(end[0] <= width && rows.contains(&first[1]) && rows.contains(&end[1]));
+                    let texels = (first[1]..end[1]).flat_map(|y| (first[0]..end[0]).map(move |x| (x, y)));
+                    texels.for_each(|texel| assert!(taken.insert(texel), "level {level}: {texel:?}"));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_face_over_the_side_of_a_part_says_how_to_mend_it() {
+    let canvas = strip(1, true);
+    let request = LayoutRequest {
+        canvas: &canvas,
+        resolutions: &Resolutions::uniform([8]),
+        diagonals: &[0],
+        level_count: 9,
+        side_limit: 4096,
+        part_side: 256,
+        coordinates: Coordinates::Scaled,
+    };
+    let error = arrange(&[request]).unwrap_err();
+    assert_eq!((error.code, error.limit, error.actual), (ErrorCode::TextureTooLarge, Some(256), Some(257)));
+    assert!(error.detail.contains("--max-size"), "{}", error.detail);
 }

@@ -56,9 +56,10 @@ impl Sheet {
             diagonals: &vec![1; canvas.faces.len()],
             level_count,
             side_limit: 4096,
+            part_side: 4096,
             coordinates: Coordinates::Indexed,
         };
-        let layout = arrange(&request).unwrap();
+        let layout = arrange(&[request]).unwrap().remove(0);
         let levels = (0..level_count).map(|level| {
             let [width, height] = layout.sizes[level];
             let mut codes = vec![0; (width * height) as usize];

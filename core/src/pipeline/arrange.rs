@@ -25,13 +25,14 @@ pub struct Arranged {
     pub layout: Layout,
 }
 
-/// Arranges all materials together.
+/// Arranges all materials together. `sets`: which have their textures in common.
 ///
 /// # Errors
 /// `Canceled`; `TextureTooLarge`; `InvalidOptions` where so few texels are asked for that some face would have none.
 pub fn arrange_all(
     asset: &Asset,
     materials: &[Prepared<'_>],
+    sets: &[Vec<usize>],
     options: &Options,
     limits: &Limits,
     watch: &dyn Watch,
@@ -48,10 +49,7 @@ pub fn arrange_all(
         if options.texels.is_some() && options.max_error.is_none() { all.finer() } else { all }
     };
     let finest: Vec<Resolutions> = materials.iter().map(finest).collect();
-    let set = |resolutions: Vec<Resolutions>| -> Result<Vec<Arranged>> {
-        let each = materials.iter().zip(resolutions);
-        each.map(|(material, resolutions)| lay_out(material, resolutions, options, limits)).collect()
-    };
+    let set = |resolutions: Vec<Resolutions>| lay_out(materials, resolutions, sets, options, limits);
     if options.max_error.is_none() && options.texels.is_none() {
         return set(finest);
     }
@@ -88,7 +86,7 @@ pub fn arrange_all(
         watch::check(watch)?;
         let spent = spend(&candidates, &most, spendable);
         let arranged = set(resolved(&spent.choices, spent.least_gain))?;
-        let allocated = allocated_texels(&arranged);
+        let allocated = allocated_texels(&arranged, sets, options.coordinates);
         let share = wanted as f64 / allocated as f64;
         if allocated <= wanted {
             best = Some(arranged);
@@ -119,34 +117,47 @@ pub fn arrange_all(
 }
 
 /// Texels of level 0 over all materials, one channel counting.
-fn allocated_texels(arranged: &[Arranged]) -> u64 {
-    arranged
-        .iter()
-        .map(|one| one.layout.sizes[0])
-        .map(|[width, height]| u64::from(width) * u64::from(height))
-        .sum()
+fn allocated_texels(arranged: &[Arranged], sets: &[Vec<usize>], coordinates: Coordinates) -> u64 {
+    let own = sets.iter().map(|set| match coordinates {
+        // The images of the first are those of all.
+        Coordinates::Scaled | Coordinates::ScaledInRows => &set[..1],
+        Coordinates::Indexed => &set[..],
+    });
+    own.flatten().map(|&material| arranged[material].layout.texel_count(0)).sum()
 }
 
 fn lay_out(
-    material: &Prepared<'_>,
-    resolutions: Resolutions,
+    materials: &[Prepared<'_>],
+    resolutions: Vec<Resolutions>,
+    sets: &[Vec<usize>],
     options: &Options,
     limits: &Limits,
-) -> Result<Arranged> {
-    let canvas = &material.canvas;
-    let layout = arrange(&LayoutRequest {
-        canvas,
-        resolutions: &resolutions,
-        diagonals: &diagonals(canvas, &material.cuts),
-        level_count: level_count(canvas, &resolutions),
-        side_limit: match options.coordinates {
-            // Not to be split.
-            Coordinates::Scaled | Coordinates::ScaledInRows => limits.texture_side.min(options.max_side),
-            Coordinates::Indexed => limits.texture_side,
-        },
-        coordinates: options.coordinates,
-    })?;
-    Ok(Arranged { resolutions, layout })
+) -> Result<Vec<Arranged>> {
+    let diagonals: Vec<Vec<u8>> =
+        materials.iter().map(|material| diagonals(&material.canvas, &material.cuts)).collect();
+    let mut layouts: Vec<Layout> = vec![Layout::default(); materials.len()];
+    for set in sets {
+        let levels = |&material: &usize| level_count(&materials[material].canvas, &resolutions[material]);
+        let most = set.iter().map(levels).max().unwrap_or(0);
+        let request = |material: &usize| LayoutRequest {
+            canvas: &materials[*material].canvas,
+            resolutions: &resolutions[*material],
+            diagonals: &diagonals[*material],
+            level_count: match options.coordinates {
+                Coordinates::Scaled | Coordinates::ScaledInRows => most,
+                Coordinates::Indexed => levels(material),
+            },
+            side_limit: limits.texture_side,
+            part_side: limits.texture_side.min(options.max_side),
+            coordinates: options.coordinates,
+        };
+        let requests: Vec<LayoutRequest<'_>> = set.iter().map(request).collect();
+        for (&material, layout) in set.iter().zip(arrange(&requests)?) {
+            layouts[material] = layout;
+        }
+    }
+    let each = resolutions.into_iter().zip(layouts);
+    Ok(each.map(|(resolutions, layout)| Arranged { resolutions, layout }).collect())
 }
 
 /// The edge that a triangle would put on its diagonal if it stays alone: one with nothing on the other side

@@ -205,7 +205,7 @@ enum Naming<'a> {
 impl Naming<'_> {
     fn part(&self, face: usize) -> usize {
         match self {
-            Self::Scaled(_) => 0,
+            Self::Scaled(layout) => layout.part(face),
             Self::Indexed { spots, .. } => spots[face].part as usize,
         }
     }

@@ -197,7 +197,7 @@ fn stored_report(level: usize, range: &str, changes: &Changes) -> StoredReport {
 }
 
 /// What the channel is stored as: the source's components and bits, without an alpha that nobody reads.
-fn codec(channel: &SourceChannel<'_>) -> Codec {
+pub fn codec(channel: &SourceChannel<'_>) -> Codec {
     let is_gray = channel.image.components <= 2 && !channel.is_normal();
     let components = if is_gray { 1 } else { 3 } + u8::from(channel.is_alpha_weighted());
     let bits = match channel.image.pixels {

@@ -1,57 +1,68 @@
 //! Materials whose textures are set out together: each by itself, or all that have the same channels.
 
+use std::collections::BTreeMap;
+
 use crate::asset::Slot;
+use crate::assign::Codec;
 use crate::error::Result;
 use crate::finished::FinishedTexture;
-use crate::image::{Image, Transfer};
+use crate::image::{Image, LevelRange};
 use crate::layout::Coordinates;
 use crate::pack::{Channel, PackOptions, Packed, Painted, pack};
 
-use super::channel::FinishedChannel;
+use super::channel::codec;
 use super::material::MaterialConversion;
 use super::options::Options;
+use super::prepare::Prepared;
+use super::together::{self, together};
 
 /// Materials with one set of textures.
 pub struct Group {
     /// Of the conversions, ascending.
     pub members: Vec<usize>,
-    /// With indexed coordinates: where everything stands. 4D coordinates keep what was painted.
+    /// With indexed coordinates: where everything stands. 4D coordinates keep their layout.
     pub packed: Option<Packed>,
+    pub part_count: usize,
 }
 
-/// What the channels of two materials have to have in common.
-type Kind = Vec<(Vec<Slot>, Transfer, u8, bool)>;
+/// What the channels of two materials have to have in common: of each its slots and how it is stored.
+type Kind = Vec<(Vec<Slot>, Codec)>;
 
-/// Sets out all materials.
+/// Which materials have one set of textures, ascending: each alone, or, merged, all whose channels are of the same kinds.
+pub fn sets(materials: &[Prepared<'_>], merges: bool) -> Vec<Vec<usize>> {
+    let mut sets: Vec<(Kind, Vec<usize>)> = Vec::new();
+    for (number, material) in materials.iter().enumerate() {
+        let channels = material.sources.iter().map(|source| source.channel);
+        let kind = channels.map(|channel| (channel.slots.clone(), codec(channel))).collect();
+        match sets.iter_mut().find(|(known, _)| merges && *known == kind) {
+            Some((_, set)) => set.push(number),
+            None => sets.push((kind, vec![number])),
+        }
+    }
+    sets.into_iter().map(|(_, set)| set).collect()
+}
+
+/// Sets out all materials. `sets`: which have their textures in common.
 ///
 /// # Errors
 /// `TextureTooLarge`.
-pub fn groups(conversions: &[MaterialConversion], options: &Options) -> Result<Vec<Group>> {
-    let mut groups: Vec<(Kind, Group)> = Vec::new();
-    for (number, conversion) in conversions.iter().enumerate() {
-        let kind = conversion.channels.iter().map(kind).collect();
-        match groups.iter_mut().find(|(known, _)| options.merges && *known == kind) {
-            Some((_, group)) => group.members.push(number),
-            None => groups.push((kind, Group { members: vec![number], packed: None })),
-        }
-    }
-    let mut groups: Vec<Group> = groups.into_iter().map(|(_, group)| group).collect();
-    if options.coordinates == Coordinates::Indexed {
-        for group in &mut groups {
-            let painted: Vec<Painted<'_>> =
-                group.members.iter().map(|&member| painted(&conversions[member])).collect();
-            let pack_options = PackOptions { shares: options.shares, max_side: options.max_side };
-            group.packed = Some(pack(&painted, pack_options)?);
-        }
-    }
-    Ok(groups)
-}
-
-fn kind(channel: &FinishedChannel) -> (Vec<Slot>, Transfer, u8, bool) {
-    let image = channel.levels.first();
-    let components = image.map_or(0, |image| image.components);
-    let is_wide = image.is_some_and(|image| image.code_max() > 255.0);
-    (channel.slots.clone(), channel.transfer, components, is_wide)
+pub fn groups(
+    conversions: &[MaterialConversion],
+    sets: Vec<Vec<usize>>,
+    options: &Options,
+) -> Result<Vec<Group>> {
+    let group = |members: Vec<usize>| {
+        let packed = (options.coordinates == Coordinates::Indexed)
+            .then(|| {
+                let painted: Vec<_> = members.iter().map(|&member| painted(&conversions[member])).collect();
+                pack(&painted, PackOptions { shares: options.shares, max_side: options.max_side })
+            })
+            .transpose()?;
+        let part_count =
+            packed.as_ref().map_or(conversions[members[0]].layout.parts.len(), |packed| packed.pages.len());
+        Ok(Group { members, packed, part_count })
+    };
+    sets.into_iter().map(group).collect()
 }
 
 fn painted(conversion: &MaterialConversion) -> Painted<'_> {
@@ -60,10 +71,6 @@ fn painted(conversion: &MaterialConversion) -> Painted<'_> {
 }
 
 impl Group {
-    pub fn part_count(&self) -> usize {
-        self.packed.as_ref().map_or(1, |packed| packed.pages.len())
-    }
-
     /// Takes the level images out of the conversions: all textures, part by part and of each part by channel.
     pub fn take_textures(&self, conversions: &mut [MaterialConversion]) -> Vec<FinishedTexture> {
         let first = self.members[0];
@@ -71,11 +78,8 @@ impl Group {
         let mut textures: Vec<FinishedTexture> = Vec::new();
         for channel in 0..conversions[first].channels.len() {
             // One channel after the other: what was painted of it goes before the next comes.
-            let painted: Vec<Vec<Image>> = (self.members.iter())
-                .map(|&member| std::mem::take(&mut conversions[member].channels[channel].levels))
-                .collect();
-            let ranges = std::mem::take(&mut conversions[first].channels[channel].ranges);
-            for (part, levels) in self.parts(conversions, painted).into_iter().enumerate() {
+            let (parts, ranges) = self.parts(conversions, channel);
+            for (part, levels) in parts.into_iter().enumerate() {
                 let channel = &conversions[first].channels[channel];
                 textures.push(FinishedTexture {
                     materials: materials.clone(),
@@ -92,13 +96,30 @@ impl Group {
         textures
     }
 
-    /// The level images of a channel, part by part.
-    fn parts(&self, conversions: &[MaterialConversion], mut painted: Vec<Vec<Image>>) -> Vec<Vec<Image>> {
-        let Some(packed) = &self.packed else { return vec![painted.swap_remove(0)] };
-        let channels: Vec<Channel<'_>> = (self.members.iter().zip(&painted))
-            .map(|(&member, levels)| Channel { layout: &conversions[member].layout, levels })
-            .collect();
-        (0..packed.pages.len()).map(|part| packed.images(part, &channels)).collect()
+    /// The level images of a channel, part by part, and the ranges of its levels.
+    fn parts(
+        &self,
+        conversions: &mut [MaterialConversion],
+        channel: usize,
+    ) -> (Vec<Vec<Image>>, BTreeMap<usize, LevelRange>) {
+        let mut taken = Vec::with_capacity(self.members.len());
+        for &member in &self.members {
+            let channel = &mut conversions[member].channels[channel];
+            taken.push((std::mem::take(&mut channel.levels), std::mem::take(&mut channel.ranges)));
+        }
+        let layouts = self.members.iter().map(|&member| &conversions[member].layout);
+        let Some(packed) = &self.packed else {
+            let painted = layouts.zip(taken).map(|(layout, (levels, ranges))| together::Painted {
+                layout,
+                levels,
+                ranges,
+            });
+            return together(painted.collect(), conversions[self.members[0]].channels[channel].transfer);
+        };
+        let channels: Vec<Channel<'_>> =
+            layouts.zip(&taken).map(|(layout, (levels, _))| Channel { layout, levels }).collect();
+        // With indexed coordinates no level needs a range.
+        ((0..self.part_count).map(|part| packed.images(part, &channels)).collect(), BTreeMap::new())
     }
 }
 

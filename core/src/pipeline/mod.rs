@@ -15,6 +15,7 @@ mod report;
 mod represent;
 #[cfg(test)]
 mod tests;
+mod together;
 
 pub use crate::assign::{Range, Rounding};
 pub use crate::layout::Coordinates;
@@ -36,7 +37,7 @@ use crate::write::{self, BundleFile};
 
 use arrange::arrange_all;
 use assemble::assemble;
-use group::groups;
+use group::{groups, sets};
 use material::{MaterialConversion, convert_material};
 use prepare::prepare;
 use progress::Progress;
@@ -105,9 +106,9 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     let mut progress = Progress::new(watch);
     progress.part(1.0);
     progress.advance(READ_SHARE);
-    let mut materials = convert_materials(asset, options, limits, watch, &mut progress)?;
+    let (mut materials, sets) = convert_materials(asset, options, limits, watch, &mut progress)?;
     watch.stage(Stage::Layout);
-    let groups = groups(&materials, options)?;
+    let groups = groups(&materials, sets, options)?;
     let finished = assemble(asset, &mut materials, &groups);
     watch.stage(Stage::Measure);
     let extras = report::extras(&materials, &groups);
@@ -133,14 +134,14 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     Ok(Product { finished, report, files, focus })
 }
 
-/// Every material that has something to convert, in order.
+/// Every material that has something to convert, in order, and which of them are to have their textures in common.
 fn convert_materials(
     asset: &Asset,
     options: &Options,
     limits: &Limits,
     watch: &dyn Watch,
     progress: &mut Progress<'_>,
-) -> Result<Vec<MaterialConversion>> {
+) -> Result<(Vec<MaterialConversion>, Vec<Vec<usize>>)> {
     let channels: Vec<_> = (0..asset.materials.len()).map(|material| channels(asset, material)).collect();
     let mut prepared = Vec::new();
     watch.stage(Stage::Resample);
@@ -159,11 +160,14 @@ fn convert_materials(
     progress.part(CONVERSION_SHARE);
     progress.advance(PREPARED_SHARE);
     watch.stage(Stage::Layout);
-    let arranged = arrange_all(asset, &prepared, options, limits, watch)?;
+    let sets = sets(&prepared, options.merges);
+    let arranged = arrange_all(asset, &prepared, &sets, options, limits, watch)?;
     progress.part(CONVERSION_SHARE * (1.0 - PREPARED_SHARE) / prepared.len() as f32);
     let each = prepared.into_iter().zip(arranged);
-    each.map(|(prepared, arranged)| convert_material(asset, prepared, arranged, options, watch, progress))
-        .collect()
+    let converted: Result<_> = each
+        .map(|(prepared, arranged)| convert_material(asset, prepared, arranged, options, watch, progress))
+        .collect();
+    Ok((converted?, sets))
 }
 
 /// Measures a model: a converted file by its own coordinates, a plain source by its mip maps.

@@ -188,11 +188,6 @@ impl Options {
     /// # Errors
     /// `InvalidOptions`, naming the option that cannot be met.
     pub fn check(&self) -> Result<()> {
-        if self.merges && self.coordinates != Coordinates::Indexed {
-            let detail = "merge = \"true\" needs coordinates = \"indexed\": with 4D coordinates texels depend on where a \
-                          block stands; leave one of the two out";
-            return Err(Error::new(ErrorCode::InvalidOptions, detail).at("/merge"));
-        }
         if self.compress.is_empty() || self.textures.contains(&TextureFormat::Ktx2) {
             return Ok(());
         }

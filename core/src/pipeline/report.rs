@@ -34,7 +34,7 @@ pub fn extras(materials: &[MaterialConversion], groups: &[Group]) -> Extras {
         conversion.channels.iter().filter_map(|channel| channel.sample_counts.get(level)).max().copied()
     };
     // Which samples stand in which of several parts is not counted.
-    let counts = groups.iter().filter(|group| group.part_count() == 1).map(|group| {
+    let counts = groups.iter().filter(|group| group.part_count == 1).map(|group| {
         let members = || group.members.iter().map(|&member| &materials[member]);
         let level_count = members().map(|conversion| conversion.layout.level_count()).max().unwrap_or(0);
         let of_level = |level: usize| members().filter_map(|conversion| most(conversion, level)).sum();

@@ -76,9 +76,9 @@ pub(super) fn noise_asset(seed: u64, side: usize, slot: Slot) -> Asset {
 
 pub(super) fn finish(asset: &Asset, options: &Options) -> (Finished, Vec<MaterialConversion>) {
     let mut progress = Progress::new(&Unwatched);
-    let mut materials =
+    let (mut materials, sets) =
         convert_materials(asset, options, &Limits::default(), &Unwatched, &mut progress).unwrap();
-    let groups = groups(&materials, options).unwrap();
+    let groups = groups(&materials, sets, options).unwrap();
     (assemble(asset, &mut materials, &groups), materials)
 }
 

@@ -47,15 +47,16 @@ pub fn far_levels(patch: &Patch, last: usize, transfer: Transfer, seed: u64) -> 
     }]);
     let resolutions = Resolutions::uniform(vec![0; faces.len()]);
     let cuts = Cuts::none(&canvas);
-    let layout = arrange(&LayoutRequest {
+    let layouts = arrange(&[LayoutRequest {
         canvas: &canvas,
         resolutions: &resolutions,
         diagonals: &vec![0; faces.len()],
         level_count: last + 1,
         side_limit: 16_384,
+        part_side: 16_384,
         coordinates: layout::Coordinates::Scaled,
-    })
-    .expect("a small layout");
+    }]);
+    let layout = layouts.expect("a small layout").remove(0);
     let topology = ChannelTopology::new(&canvas, &resolutions, &cuts);
     let stages = Stages { patch, faces: &faces, canvas: &canvas, layout: &layout, cuts: &cuts, transfer };
     let mut random = Random::new(seed);

@@ -30,9 +30,9 @@ fn mirrored_sheets() -> Asset {
 
 fn savings(asset: &Asset, options: &Options) -> Savings {
     let mut progress = Progress::new(&Unwatched);
-    let conversions =
+    let (conversions, sets) =
         convert_materials(asset, options, &Limits::default(), &Unwatched, &mut progress).unwrap();
-    let groups = groups(&conversions, options).unwrap();
+    let groups = groups(&conversions, sets, options).unwrap();
     groups[0].packed.as_ref().unwrap().savings
 }
 

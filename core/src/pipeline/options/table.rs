@@ -186,7 +186,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         follows_quality: false,
         rungs: &[],
         allowed: SWITCH_ALLOWED,
-        doc: "Materials whose channels are of the same kinds get one set of textures, so that they can be drawn at once (with indexed coordinates)",
+        doc: "Materials whose channels are of the same kinds get one set of textures, so that they can be drawn at once",
     },
     OptionSpec {
         name: "max-size",
@@ -195,7 +195,7 @@ pub const OPTIONS: &[OptionSpec] = &[
         follows_quality: false,
         rungs: &[],
         allowed: "2048..=16384",
-        doc: "Largest side of a texture; what needs more is split into several, and so are primitives (with indexed coordinates; 4d refuses it)",
+        doc: "Largest side of a texture; what needs more is split into several, and so are primitives",
     },
     OptionSpec {
         name: "cut",

@@ -77,10 +77,7 @@ impl<'a> Level<'a> {
 
     /// The value that is filtered, as red, green, blue, alpha: linear light for color.
     fn value(&self, (x, y): (u32, u32)) -> Vec4 {
-        match self.range {
-            Some(range) => range.texel(self.image, x, y),
-            None => Vec4::from(self.image.linear(x, y, self.transfer)),
-        }
+        self.image.value(x, y, self.transfer, self.range)
     }
 
     /// The value of every texel, row by row. A list of vectors and no iterator of arrays: rustc 1.95 lets a
