@@ -1,6 +1,7 @@
 //! Random models for property tests: sheets of triangles and quads with holes, odd texture coordinates
 //! and edges of three faces, as OBJ uploads.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use glam::{Vec2, Vec3};
@@ -108,26 +109,56 @@ impl Patch {
 
     /// The model as OBJ, MTL and PNG.
     pub fn upload(&self, picture: &Image) -> Upload {
-        let mut text = String::from("mtllib p.mtl\nusemtl p\n");
+        Upload { main: OBJ.to_owned(), files: Box::new(MemoryFiles(files(&[(self, picture)]))) }
+    }
+}
+
+/// The main one of [`files`].
+pub const OBJ: &str = "p.obj";
+
+/// Patches as one OBJ model, by the names of its files: each patch has a material of its own with a picture of its own.
+pub fn files(parts: &[(&Patch, &Image)]) -> BTreeMap<String, Vec<u8>> {
+    let mut text = String::from("mtllib p.mtl\n");
+    let mut materials = String::new();
+    let mut files = BTreeMap::new();
+    let (mut first_position, mut corner_count) = (1, 0);
+    for (number, (patch, picture)) in parts.iter().enumerate() {
+        let name = if number == 0 { "p".to_owned() } else { format!("p{number}") };
+        let written = patch.write(&mut text, &name, first_position, &mut corner_count);
+        written.expect("a string takes all");
+        write!(materials, "newmtl {name}\nmap_Kd {name}.png\n").expect("a string takes all");
+        files.insert(format!("{name}.png"), meshcolor::write::png(picture).expect("a sound image"));
+        first_position += patch.positions.len();
+    }
+    files.insert(OBJ.to_owned(), text.into_bytes());
+    files.insert("p.mtl".to_owned(), materials.into_bytes());
+    files
+}
+
+impl Patch {
+    /// Its faces and what they use.
+    fn write(
+        &self,
+        text: &mut String,
+        material: &str,
+        first_position: usize,
+        corner_count: &mut usize,
+    ) -> std::fmt::Result {
+        writeln!(text, "usemtl {material}")?;
         for position in &self.positions {
-            writeln!(text, "v {} {} {}", position.x, position.y, position.z).expect("a string takes all");
+            writeln!(text, "v {} {} {}", position.x, position.y, position.z)?;
         }
-        let mut corner_count = 0;
         for face in &self.faces {
             let mut line = String::from("f");
             for (vertex, place) in face {
-                corner_count += 1;
-                writeln!(text, "vt {} {}", place.x, 1.0 - place.y).expect("a string takes all");
-                write!(line, " {}/{corner_count}", vertex + 1).expect("a string takes all");
+                *corner_count += 1;
+                writeln!(text, "vt {} {}", place.x, 1.0 - place.y)?;
+                write!(line, " {}/{corner_count}", *vertex as usize + first_position)?;
             }
             text.push_str(&line);
             text.push('\n');
         }
-        let mut files = MemoryFiles::default();
-        files.0.insert("p.obj".to_owned(), text.into_bytes());
-        files.0.insert("p.mtl".to_owned(), b"newmtl p\nmap_Kd p.png\n".to_vec());
-        files.0.insert("p.png".to_owned(), meshcolor::write::png(picture).expect("a sound image"));
-        Upload { main: "p.obj".to_owned(), files: Box::new(files) }
+        Ok(())
     }
 }
 
