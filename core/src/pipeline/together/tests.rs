@@ -2,10 +2,11 @@ use glam::{Vec3, Vec4};
 
 use crate::asset::{Asset, Slot};
 use crate::finished::Finished;
+use crate::image::Pixels;
 use crate::pipeline::tests::{finish, noise_asset};
 use crate::pipeline::{Coordinates, Options, Range};
 
-/// Two sheets of noise, of two materials: the second coarse, with an image of its own.
+/// Two sheets of noise, of two materials: the second coarse, with a dark image of its own.
 fn two_sheets() -> Asset {
     let mut asset = noise_asset(3, 6, Slot::BaseColor);
     let mut other = noise_asset(4, 3, Slot::BaseColor);
@@ -13,6 +14,9 @@ fn two_sheets() -> Asset {
     primitive.material = Some(1);
     primitive.texcoords[0].iter_mut().for_each(|at| *at *= 0.1);
     primitive.positions.iter_mut().for_each(|at| at.x += 100.0);
+    if let Pixels::U8(codes) = &mut other.images[0].pixels {
+        codes.iter_mut().for_each(|code| *code /= 3);
+    }
     asset.materials.append(&mut other.materials);
     asset.images.append(&mut other.images);
     asset.meshes.append(&mut other.meshes);
@@ -80,6 +84,7 @@ fn merged_materials_read_what_each_alone_does() {
     let (merged, _) = finish(&asset, &options(true, 8192));
     assert_eq!((alone.textures.len(), merged.textures.len()), (2, 1));
     assert_eq!(merged.textures[0].materials, [0, 1]);
+    assert_ne!(alone.textures[0].ranges, alone.textures[1].ranges);
     merged.check().unwrap();
     assert_alike([&alone, &merged]);
 }
