@@ -9,16 +9,19 @@ const WIDTHS: ([f64; 2], u32) = ([0.5, 1.6], 48);
 /// Coprime to their number: the order they are tried in goes over the whole range, should the work end early.
 const WIDTH_STRIDE: u32 = 29;
 /// Grids that are looked at for a level: at most, and for each pair of groups.
-const WORK_MAX: u64 = 4_000_000;
-const WORK_OF_PAIR: u64 = 10_000;
-/// What may be left empty of a level before the search goes on: one texel in so many.
+const WORK_MAX: u64 = 2_000_000;
+const WORK_OF_PAIR: u64 = 8_000;
+/// The search ends where no more than one texel in so many is empty; after that work, in so many, and after
+/// that work so many times in any case.
 const EMPTY_PART: u64 = 200;
+const EMPTY_PART_LATE: u64 = 50;
+const LATE_COUNT: u64 = 6;
 /// Plans that are changed by turns.
-const PLANS_KEPT: usize = 6;
-/// A changed plan may be worse at first by up to this share of the texels, in the end not at all.
-const HEAT: f64 = 0.005;
+const PLANS_KEPT: usize = 8;
+/// A changed plan may be worse at first by up to this share of the texels, later not at all.
+const HEAT: f64 = 0.01;
 /// Changes at a time.
-const CHANGES_MAX: u32 = 3;
+const CHANGES_MAX: u32 = 4;
 /// Height that grids should keep to beyond what all texels need, as a share of it.
 const SPARE_MAX: f32 = 0.02;
 /// What weighs how much; found by trying on six class lists of three models.
@@ -141,10 +144,10 @@ impl Search<'_> {
 
     /// Changes plans by turns and keeps what is better, or a little worse while there is much work left.
     fn change(&mut self, mut kept: Vec<(u64, Plan)>) {
-        while self.skyline.work < self.work_max && !kept.is_empty() && !self.is_done() {
+        while !kept.is_empty() && !self.is_done() {
             let number = self.random.below(kept.len() as u32) as usize;
             let (was, plan) = &kept[number];
-            let work_left = 1.0 - self.skyline.work as f64 / self.work_max as f64;
+            let work_left = (1.0 - self.skyline.work as f64 / self.work_max as f64).max(0.0);
             let texels_max = *was as f64 * (1.0 + HEAT * f64::from(self.random.unit()) * work_left);
             let mut plan = plan.clone();
             for _ in 0..=self.random.below(CHANGES_MAX) {
@@ -157,8 +160,12 @@ impl Search<'_> {
     }
 
     fn is_done(&self) -> bool {
-        let enough = self.texels + self.texels / EMPTY_PART;
-        self.best.as_ref().is_some_and(|best| product(best.size) <= enough)
+        let part = match self.skyline.work / self.work_max {
+            0 => EMPTY_PART,
+            1..LATE_COUNT => EMPTY_PART_LATE,
+            _ => return true,
+        };
+        self.best.as_ref().is_none_or(|best| product(best.size) <= self.texels + self.texels / part)
     }
 
     fn change_once(&mut self, plan: &mut Plan) {

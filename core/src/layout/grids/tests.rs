@@ -71,7 +71,7 @@ fn coarse() -> Vec<Class> {
 /// At every level, and where few blocks leave little choice too.
 #[test]
 fn little_is_left_empty() {
-    for (classes, most) in [(fox(), [0.04, 0.02]), (coarse(), [0.04, 0.03])] {
+    for (classes, most) in [(fox(), [0.025, 0.02]), (coarse(), [0.03, 0.025])] {
         let page = Page::new(classes, 9, 4096);
         let mut sum = [0; 2];
         for (level, [width, height]) in page.sizes.iter().enumerate() {
