@@ -131,7 +131,7 @@ impl Search<'_> {
             }
             let width = low + (u64::from(high - low) * u64::from(place) / u64::from(count)) as u32;
             for groups in &starts {
-                let taste = if place % 2 == 0 { TASTE } else { self.random.taste() };
+                let taste = if place.is_multiple_of(2) { TASTE } else { self.random.taste() };
                 let spare = 0.5 * SPARE_MAX * self.random.unit();
                 let mut plan = Plan { width, spare, goal: 0, taste, groups: groups.clone() };
                 plans.extend(self.attempt(&mut plan, u64::MAX).map(|texels| (texels, plan)));
@@ -227,7 +227,7 @@ impl Random {
 
     /// Below `count`.
     fn below(&mut self, count: u32) -> u32 {
-        ((self.next() >> 32) * u64::from(count) >> 32) as u32
+        (((self.next() >> 32) * u64::from(count)) >> 32) as u32
     }
 
     /// From 0 to 1.
