@@ -36,6 +36,6 @@ for model in "${models[@]}"; do
 done
 
 # Pictures and tables from the records.
-for test in pictures_and_tables the_readme_shows; do
+for test in pictures_and_tables the_readme_shows curves_are; do
   MESHCOLOR_WRITE_DOCS=1 cargo test --release -p meshcolor-tests --test tradeoff "$test"
 done

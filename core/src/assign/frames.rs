@@ -1,10 +1,9 @@
 //! The tangent frames that converted normal maps refer to.
 //!
 //! The source's tangents belong to the texture coordinates that go away, so the tangent is ours to choose:
-//! a coordinate axis far enough from the face's normals, made orthogonal to each corner's normal. Neighbors with
+//! a coordinate axis far from the face's normals, made orthogonal to each corner's normal. Neighbors with
 //! one normal and one axis then have one frame and store the same values along their edge, so that they can stand in
-//! one block; so nearly all faces take the same axis. Faces that show what others show too have the source's tangents,
-//! by which they store the same as those.
+//! one block. Faces that show what others show too have the source's tangents, by which they store the same as those.
 
 use glam::{Mat3, Vec3, Vec4};
 
@@ -31,22 +30,22 @@ pub fn choose_frames(
         if let Some(given) = given {
             return *given;
         }
-        let axis = axis_across(&normals[..face.count()]);
+        let axis = axis_across(normals[..face.count()].iter().sum());
         normals.map(|normal| Frame { normal, tangent: tangent(normal, axis).extend(1.0) })
     });
     NormalFrames { corners: corners.collect(), scale }
 }
 
-/// How far a corner's normal may lean towards an axis that its tangent is made from: the cosine of 26 degrees.
-const LEAN_MAX: f32 = 0.9;
-
-/// The first coordinate axis that is far enough from all of a face's normals, or else the one that is farthest.
-fn axis_across(normals: &[Vec3]) -> Vec3 {
-    let lean = |axis: Vec3| normals.iter().map(|normal| normal.dot(axis).abs()).fold(0.0, f32::max);
-    let leans = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (axis, lean(axis)));
-    let far_enough = leans.iter().find(|(_, lean)| *lean < LEAN_MAX);
-    let farthest = leans.iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    far_enough.or(farthest).map_or(Vec3::X, |(axis, _)| *axis)
+/// The coordinate axis that is most nearly at right angles.
+fn axis_across(normal: Vec3) -> Vec3 {
+    let size = normal.abs();
+    if size.x <= size.y && size.x <= size.z {
+        Vec3::X
+    } else if size.y <= size.z {
+        Vec3::Y
+    } else {
+        Vec3::Z
+    }
 }
 
 fn tangent(normal: Vec3, axis: Vec3) -> Vec3 {

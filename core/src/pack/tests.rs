@@ -6,6 +6,7 @@ use super::copy::Channel;
 use super::turn::Turn;
 use super::{PackOptions, Packed, Painted, pack};
 use crate::colors::{Resolutions, level_count};
+use crate::error::ErrorCode;
 use crate::image::{Image, Pixels};
 use crate::layout::{Coordinates, Layout, LayoutRequest, TWIN_SHIFT, arrange};
 use crate::mesh::{CanvasMesh, Polygons, build};
@@ -39,6 +40,7 @@ fn sheet(side: u32, starts: &[(u32, bool)], split_count: usize) -> CanvasMesh {
 
 struct Sheet {
     canvas: CanvasMesh,
+    resolutions: Resolutions,
     layout: Layout,
     levels: Vec<Image>,
 }
@@ -73,7 +75,7 @@ impl Sheet {
             Image { width, height, components: 1, pixels: Pixels::U8(codes) }
         });
         let levels = levels.collect();
-        Self { canvas, layout, levels }
+        Self { canvas, resolutions, layout, levels }
     }
 
     fn packed(&self, shares: bool) -> Packed {
@@ -102,27 +104,34 @@ fn across(of: impl Fn(usize) -> Vec2, canvas: &CanvasMesh, face: usize, s: f32, 
 }
 
 /// Reads every point of every face from the new images as a viewer does, and compares.
-fn is_unchanged(sheet: &Sheet, packed: &Packed, resolutions: &Resolutions) -> Result<(), TestCaseError> {
-    let images = packed.images(0, &[Channel { layout: &sheet.layout, levels: &sheet.levels }]);
+fn is_unchanged(sheets: &[&Sheet], packed: &Packed) -> Result<(), TestCaseError> {
+    let channels: Vec<Channel<'_>> =
+        sheets.iter().map(|sheet| Channel { layout: &sheet.layout, levels: &sheet.levels }).collect();
+    let parts: Vec<Vec<Image>> = (0..packed.pages.len()).map(|part| packed.images(part, &channels)).collect();
     let code = |image: &Image, place: Vec2| match &image.pixels {
         Pixels::U8(codes) => codes[place.y as usize * image.width as usize + place.x as usize],
         Pixels::U16(_) => unreachable!(),
     };
-    for (level, (old, new)) in sheet.levels.iter().zip(&images).enumerate() {
-        for (face, spot) in packed.spots[0].iter().enumerate() {
-            let class = &packed.pages[0].classes[spot.class as usize];
-            let grid = &packed.pages[0].grids[level][spot.class as usize];
-            let [x, y] = grid.first_texel(class, level, spot.number);
-            let first = Vec2::new(x as f32 + if spot.is_second { TWIN_SHIFT as f32 } else { 0.0 }, y as f32);
-            let [n, m] = class.segments(level);
-            let place = |corner: usize| {
-                let [x, y] = spot.corners[corner];
-                first + Vec2::new((x * n) as f32 + 0.5, (y * m) as f32 + 0.5)
-            };
-            for [s, t] in points(&sheet.canvas, resolutions, face, level) {
-                let was = across(|corner| sheet.layout.place(face, corner, level), &sheet.canvas, face, s, t);
-                let is = across(place, &sheet.canvas, face, s, t);
-                prop_assert_eq!(code(old, was), code(new, is), "level {}, face {}, {} {}", level, face, s, t);
+    for (sheet, spots) in sheets.iter().zip(&packed.spots) {
+        for (level, old) in sheet.levels.iter().enumerate() {
+            for (face, spot) in spots.iter().enumerate() {
+                let page = &packed.pages[spot.part as usize];
+                let class = &page.classes[spot.class as usize];
+                let [x, y] = page.grids[level][spot.class as usize].first_texel(class, level, spot.number);
+                let first =
+                    Vec2::new(x as f32 + if spot.is_second { TWIN_SHIFT as f32 } else { 0.0 }, y as f32);
+                let [n, m] = class.segments(level);
+                let place = |corner: usize| {
+                    let [x, y] = spot.corners[corner];
+                    first + Vec2::new((x * n) as f32 + 0.5, (y * m) as f32 + 0.5)
+                };
+                for [s, t] in points(&sheet.canvas, &sheet.resolutions, face, level) {
+                    let was =
+                        across(|corner| sheet.layout.place(face, corner, level), &sheet.canvas, face, s, t);
+                    let is = across(place, &sheet.canvas, face, s, t);
+                    let [was, is] = [code(old, was), code(&parts[spot.part as usize][level], is)];
+                    prop_assert_eq!(was, is, "level {}, face {}, {} {}", level, face, s, t);
+                }
             }
         }
     }
@@ -146,12 +155,12 @@ fn what_goes_on_over_edges_is_one_block() {
     let resolutions = vec![[2, 2]; 16];
     let canvas = sheet(4, &[(0, false), (1, false), (3, true), (2, true)], 0);
     let gradient = |at: Vec2, _: usize| (at.x * 20.0 + at.y * 7.0 + 128.0) as u8;
-    let sheet = Sheet::new(canvas, resolutions.clone(), gradient);
+    let sheet = Sheet::new(canvas, resolutions, gradient);
     let packed = sheet.packed(true);
-    assert_eq!(packed.pages[0].sizes[0], [17 + 1 - 1, 17]);
+    assert_eq!(packed.pages[0].sizes[0], [17, 17]);
     assert_eq!(packed.pages[0].sizes[2], [5, 5]);
     assert_eq!((packed.savings.joined_count, packed.savings.shared_count), (16, 0));
-    is_unchanged(&sheet, &packed, &Resolutions { faces: resolutions }).unwrap();
+    is_unchanged(&[&sheet], &packed).unwrap();
 }
 
 /// Tiles and mirrored halves need their texels once, unless that is switched off.
@@ -165,14 +174,14 @@ fn what_repeats_is_stored_once() {
     let tiles = Sheet::new(sheet(4, &starts, 0), vec![[2, 2]; 16], tile);
     let packed = tiles.packed(true);
     assert_eq!((packed.savings.shared_count, packed.pages[0].sizes[0]), (15, [5, 5]));
-    is_unchanged(&tiles, &packed, &Resolutions { faces: vec![[2, 2]; 16] }).unwrap();
+    is_unchanged(&[&tiles], &packed).unwrap();
     assert_eq!(tiles.packed(false).savings.shared_count, 0);
 
     let mirrored = |at: Vec2, _: usize| (at.x.abs() * 40.0 + at.y * 9.0 + 60.0) as u8;
     let halves = Sheet::new(sheet(4, &[(0, false)], 0), vec![[2, 1]; 16], mirrored);
     let packed = halves.packed(true);
     assert_eq!((packed.savings.shared_count, packed.savings.joined_count), (8, 8));
-    is_unchanged(&halves, &packed, &Resolutions { faces: vec![[2, 1]; 16] }).unwrap();
+    is_unchanged(&[&halves], &packed).unwrap();
 }
 
 /// A texel that differs at one level keeps the two tiles that show it from using the others' block.
@@ -186,6 +195,39 @@ fn every_level_counts() {
         Sheet::new(sheet(2, &[(0, false)], 0), vec![[2, 2]; 4], tile).packed(true).savings.shared_count
     };
     assert_eq!([shared(usize::MAX), shared(0), shared(2)], [3, 1, 1]);
+}
+
+/// No two faces alike.
+fn noise(at: Vec2, level: usize) -> u8 {
+    ((at.x * 12.9 + at.y * 78.2 + level as f32).sin() * 43758.5).rem_euclid(256.0) as u8
+}
+
+/// What is too large for one image stands in several, none of them larger than asked for.
+#[test]
+fn parts_fit_and_lose_nothing() {
+    let faces = Sheet::new(sheet(4, &[(0, false)], 3), vec![[5, 5]; 19], noise);
+    let whole = faces.packed(true);
+    assert_eq!(whole.pages.len(), 1);
+    for max_side in [70, 100, 130] {
+        let packed = pack(&[faces.painted()], PackOptions { shares: true, max_side }).unwrap();
+        assert!(packed.pages.iter().all(|page| page.sizes[0].iter().all(|&side| side <= max_side)));
+        assert!(packed.pages.len() > 1 && packed.pages.len() <= 19, "{}", packed.pages.len());
+        is_unchanged(&[&faces], &packed).unwrap();
+    }
+    let error = pack(&[faces.painted()], PackOptions { shares: true, max_side: 16 }).unwrap_err();
+    assert_eq!((error.code, error.limit), (ErrorCode::TextureTooLarge, Some(16)));
+}
+
+/// Materials in one set of images, the one with fewer levels too.
+#[test]
+fn materials_stand_together() {
+    let fine = Sheet::new(sheet(3, &[(1, false)], 4), vec![[3, 3]; 13], noise);
+    let coarse = Sheet::new(sheet(2, &[(2, true)], 1), vec![[1, 1]; 5], noise);
+    let packed =
+        pack(&[fine.painted(), coarse.painted()], PackOptions { shares: true, max_side: 4096 }).unwrap();
+    assert_ne!(fine.levels.len(), coarse.levels.len());
+    assert_eq!((packed.pages.len(), packed.pages[0].sizes.len()), (1, fine.levels.len()));
+    is_unchanged(&[&fine, &coarse], &packed).unwrap();
 }
 
 proptest! {
@@ -210,10 +252,10 @@ proptest! {
             let at = (at - period * (at / period).round()).abs();
             (at.dot(Vec2::new(3.0, 2.0)) * f32::from(steps)) as u8
         };
-        let sheet = Sheet::new(canvas, exponents.clone(), color);
+        let sheet = Sheet::new(canvas, exponents, color);
         for shares in [false, true] {
             let packed = sheet.packed(shares);
-            is_unchanged(&sheet, &packed, &Resolutions { faces: exponents.clone() })?;
+            is_unchanged(&[&sheet], &packed)?;
         }
     }
 }

@@ -101,3 +101,6 @@ impl Group {
         (0..packed.pages.len()).map(|part| packed.images(part, &channels)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -45,9 +45,7 @@ fn assert_blocks_are_told(blocks: &Product) {
         assert_eq!(level.seams_before, blocks.report.channels[0].levels[number].seams);
         let [before, unfitted, fitted] =
             [level.seams_before, level.seams_unfitted, level.seams].map(|seams| seams.unwrap().mean);
-        // Where a level has next to no contrast left, blocks may hold it exactly.
-        assert!(unfitted > before || number > 4 && unfitted == before, "{level:?}");
-        assert!(level.psnr_db > 15.0 && level.psnr_db < 99.0, "{level:?}");
+        assert!(unfitted >= before && level.psnr_db > 15.0 && level.psnr_db <= 99.0, "{level:?}");
         assert!(if level.is_refitted { fitted < unfitted } else { fitted == unfitted }, "{level:?}");
     }
     assert!(channel.levels.iter().any(|level| level.is_refitted));
