@@ -70,7 +70,8 @@ fn a_tradeoff_is_a_folder_and_json_on_demand() {
     let mut names: Vec<_> =
         fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    assert_eq!(names, ["tradeoff.json", "tradeoff.md", "tradeoff.png", "tradeoff.svg"]);
+    let expected = ["curve.png", "curve.svg", "tradeoff.json", "tradeoff.md", "tradeoff.png", "tradeoff.svg"];
+    assert_eq!(names, expected);
     assert_eq!(run(&arguments).status.code(), Some(2), "it replaces nothing unasked");
     assert_eq!(run(&[&arguments[..], &["--force", "--quiet"]].concat()).status.code(), Some(0));
 }

@@ -21,7 +21,7 @@ use crate::image::{Image, LevelRange, Pixels, Transfer};
 
 use super::Level;
 use super::encoders::{Whole, astc_decoded};
-use super::gpu::{Texels, colors, numbers};
+use super::gpu::{Texels, colors, half_floats, numbers};
 
 /// Texels along the side of a block.
 pub const SIDE: usize = 4;
@@ -102,10 +102,11 @@ impl Blocks {
         let mut keys = vec![("MCTsize", format!("{} {}", image.width, image.height))];
         let bytes: Vec<u8> = match format {
             BlockFormat::Bc6h => {
-                bias = least(level);
+                let mut values = level.values();
+                bias = least(&values);
                 keys.extend([("MCTbias", numbers(&RGBA, &bias)), ("MCTscale", numbers(&RGBA, &Vec4::ONE))]);
-                let above = |at: (u32, u32)| (level.value(at) - bias).to_array();
-                level.places().flat_map(above).flat_map(|value| f16::from_f32(value).to_le_bytes()).collect()
+                values.iter_mut().for_each(|value| *value -= bias);
+                half_floats(&values)
             }
             BlockFormat::Bc5 => {
                 if image.components == 2 {
@@ -222,8 +223,7 @@ fn unit_z(x: f32, y: f32) -> f32 {
     0.5 + 0.5 * (1.0 - x * x - y * y).max(0.0).sqrt()
 }
 
-/// Of red, green and blue the least value of all texels, where it is below 0.
-fn least(level: &Level<'_>) -> Vec4 {
-    let least = level.places().map(|at| level.value(at)).fold(Vec4::ZERO, Vec4::min);
-    least.truncate().extend(0.0)
+/// Of red, green and blue the least value, where it is below 0.
+fn least(values: &[Vec4]) -> Vec4 {
+    values.iter().copied().fold(Vec4::ZERO, Vec4::min).truncate().extend(0.0)
 }

@@ -22,7 +22,7 @@ use super::Level;
 /// # Errors
 /// `Internal` where the library refuses the image, which none of ours is to blame for.
 pub fn file(level: &Level<'_>) -> Result<Vec<u8>> {
-    let values: Vec<Vec4> = level.places().map(|at| level.value(at)).collect();
+    let values: Vec<Vec4> = level.values();
     let is_half = matches!(level.image.pixels, Pixels::U8(_)) || level.range == Some(&LevelRange::Float16);
     let channels: &[(&str, usize)] = match level.image.components {
         1 => &[("Y", 0)],

@@ -50,9 +50,7 @@ pub fn texels(level: &Level<'_>) -> Result<Texels> {
             (by_count(formats), padded(codes, components, OPAQUE_8))
         }
         (Pixels::U16(_), None, Transfer::Srgb) => {
-            let linear = level.places().flat_map(|at| level.value(at).to_array());
-            let bytes = linear.flat_map(|value| f16::from_f32(value).to_le_bytes()).collect();
-            ((Format::R16G16B16A16_SFLOAT, None), bytes)
+            ((Format::R16G16B16A16_SFLOAT, None), half_floats(&level.values()))
         }
         (Pixels::U16(codes), Some(LevelRange::Float16), _) => {
             let formats = [Format::R16_SFLOAT, Format::R16G16_SFLOAT, Format::R16G16B16A16_SFLOAT];
@@ -99,6 +97,12 @@ pub fn colors(codes: &[u8], components: u8) -> Vec<u8> {
         [] => [0; 4],
     };
     codes.chunks_exact(usize::from(components)).flat_map(rgba).collect()
+}
+
+/// Four half floats for each value.
+pub(super) fn half_floats(values: &[Vec4]) -> Vec<u8> {
+    let halves = values.iter().flat_map(|value| value.to_array()).map(f16::from_f32);
+    halves.flat_map(f16::to_le_bytes).collect()
 }
 
 fn little_endian(codes: &[u16]) -> Vec<u8> {

@@ -83,10 +83,11 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// All texels, row by row.
-    fn places(&self) -> impl Iterator<Item = (u32, u32)> {
-        let width = self.image.width;
-        (0..self.image.height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+    /// The value of every texel, row by row. A list of vectors and no iterator of arrays: rustc 1.95 lets a
+    /// vector be returned into an array that an iterator holds, which is aligned to 4 bytes and not to 16.
+    fn values(&self) -> Vec<Vec4> {
+        let rows = 0..self.image.height;
+        rows.flat_map(|y| (0..self.image.width).map(move |x| (x, y))).map(|at| self.value(at)).collect()
     }
 }
 
