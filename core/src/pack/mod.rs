@@ -17,7 +17,7 @@ mod turn;
 
 use crate::error::Result;
 use crate::image::Image;
-use crate::layout::{Class, LONE_EXPONENT_MAX, Layout, Page};
+use crate::layout::{Class, LONE_EXPONENT_MAX, Layout, Page, parted};
 use crate::mesh::CanvasMesh;
 
 pub use copy::Channel;
@@ -117,10 +117,15 @@ pub fn pack(group: &[Painted<'_>], options: PackOptions) -> Result<Packed> {
     };
     for (part, mut blocks) in (0u32..).zip(split(blocks, options.max_side)?) {
         blocks.sort_by_key(Block::order);
-        let (classes, places) = Class::number(blocks.iter().map(|block| block.class));
-        packed.pages.push(Page::new(classes, level_count, options.max_side));
+        let (classes, _) = Class::number(blocks.iter().map(|block| block.class));
+        let classes = parted(&classes);
+        // Blocks stand in the order of their classes, and so of the parts.
+        let places = (0u32..)
+            .zip(&classes)
+            .flat_map(|(class, of)| (0..of.block_count).map(move |number| [class, number]));
         let pieces = blocks.iter().zip(places).flat_map(|(block, place)| block.pieces(part, place));
         packed.pieces.push(pieces.collect());
+        packed.pages.push(Page::new(classes, level_count, options.max_side));
     }
     packed.find_spots(group, &twins);
     Ok(packed)

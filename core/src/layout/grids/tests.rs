@@ -3,7 +3,7 @@ use std::collections::HashSet;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 
-use super::{Class, Page};
+use super::{Class, Page, parted};
 
 fn class(cells: [u32; 2], exponents: [u8; 2], is_lone: bool, block_count: u32) -> Class {
     Class { cells, exponents, is_lone, block_count }
@@ -68,21 +68,68 @@ fn coarse() -> Vec<Class> {
     all
 }
 
-/// At every level, and where few blocks leave little choice too.
+/// Two shapes of face alone, and the larger blocks that came of them: few classes, most of them with many blocks.
+fn uniform() -> Vec<Class> {
+    let quads = [
+        ([1, 1], 527),
+        ([2, 1], 601),
+        ([2, 2], 119),
+        ([4, 1], 232),
+        ([4, 2], 60),
+        ([4, 4], 7),
+        ([8, 1], 145),
+        ([8, 2], 19),
+    ];
+    let quads = quads.into_iter().map(|(cells, count)| class(cells, [3, 3], false, count));
+    quads.chain([class([1, 1], [3, 3], true, 186)]).collect()
+}
+
+/// Texels that nobody reads, of how many, by level.
+fn unread(page: &Page) -> Vec<[u64; 2]> {
+    let of_level = |(level, [width, height]): (usize, &[u32; 2])| {
+        let spare = |class: &Class| u64::from(class.spare_texels(level) * class.block_count);
+        let spare: u64 = page.classes.iter().map(spare).sum();
+        let all = u64::from(width * height);
+        [all + spare - filled(page, level).unwrap(), all]
+    };
+    page.sizes.iter().enumerate().map(of_level).collect()
+}
+
+/// At every level, and where few blocks leave little choice too. What is more than 2 % is spare in the blocks of two lone
+/// triangles of two segments.
 #[test]
-fn little_is_left_empty() {
-    for (classes, most) in [(fox(), [0.025, 0.02]), (coarse(), [0.03, 0.025])] {
-        let page = Page::new(classes, 9, 4096);
-        let mut sum = [0; 2];
-        for (level, [width, height]) in page.sizes.iter().enumerate() {
-            let (used, all) = (filled(&page, level).unwrap(), u64::from(width * height));
-            let empty = 1.0 - used as f64 / all as f64;
-            assert!(empty < most[0], "level {level}: {width} x {height}, {empty}");
-            sum = [sum[0] + used, sum[1] + all];
-        }
-        let empty = 1.0 - sum[0] as f64 / sum[1] as f64;
-        assert!(empty < most[1], "{empty}");
+fn little_is_left_unread() {
+    let most = |permille: u64, [unread, all]: [u64; 2]| {
+        assert!(unread * 1000 <= all * permille, "{unread} of {all}")
+    };
+    for (classes, at_worst) in [(fox(), 23), (coarse(), 20), (uniform(), 20)] {
+        let by_level = unread(&Page::new(parted(&classes), 9, 4096));
+        by_level.iter().for_each(|&level| most(at_worst, level));
+        most(20, by_level.iter().fold([0; 2], |sum, level| [0, 1].map(|k| sum[k] + level[k])));
     }
+}
+
+/// Blocks of one shape that stand at several places leave less empty than those that stand at one.
+#[test]
+fn parts_leave_less_empty() {
+    let all = |classes: &[Class]| -> u64 {
+        unread(&Page::new(classes.to_vec(), 9, 4096)).iter().map(|level| level[0]).sum()
+    };
+    assert!(2 * all(&parted(&uniform())) < all(&uniform()));
+}
+
+/// Two lone triangles stand closer where they are down to one segment: all of their block is read.
+#[test]
+fn blocks_of_two_shrink_with_their_triangles() {
+    let two = class([1, 1], [3, 3], true, 1);
+    let footprints: Vec<_> = (0..5).map(|level| two.footprint(level)).collect();
+    assert_eq!(footprints, [[12, 9], [8, 5], [6, 3], [4, 2], [4, 2]]);
+    assert_eq!([0, 1, 2, 3, 4].map(|level| two.spare_texels(level)), [2, 2, 2, 0, 0]);
+    let alone = class([1, 1], [1, 1], true, 1);
+    assert_eq!(
+        [0, 1].map(|level| (alone.footprint(level), alone.spare_texels(level))),
+        [([3, 3], 1), ([2, 2], 0)]
+    );
 }
 
 /// The same on one thread and on several.
@@ -133,9 +180,25 @@ proptest! {
         ..Config::default()
     })]
 
+    /// Parts have the shape of their class and all of its blocks, and there are not too many.
+    #[test]
+    fn parts_are_the_class(classes in classes(), more in 0u32..2000) {
+        let mut classes = classes;
+        classes.iter_mut().for_each(|class| class.block_count += more);
+        let parts = parted(&classes);
+        prop_assert!(parts.len() <= classes.len().max(128));
+        prop_assert!(parts.iter().all(|part| part.block_count > 0));
+        let joined = parts.chunk_by(|a, b| Class { block_count: b.block_count, ..*a } == *b);
+        let whole: Vec<Class> = joined
+            .map(|parts| Class { block_count: parts.iter().map(|part| part.block_count).sum(), ..parts[0] })
+            .collect();
+        prop_assert_eq!(whole, classes);
+    }
+
     /// Every block has texels of its own inside the image, whatever the classes.
     #[test]
-    fn blocks_of_a_page_never_meet(classes in classes()) {
+    fn blocks_of_a_page_never_meet(classes in classes(), is_parted in any::<bool>()) {
+        let classes = if is_parted { parted(&classes) } else { classes };
         let page = Page::new(classes, 8, 4096);
         for level in 0..8 {
             let count: u64 = page.classes.iter().map(|class| {
