@@ -7,9 +7,9 @@ use std::cmp::Reverse;
 
 use super::Class;
 
-/// Classes are parted while there are no more than so many in all: each takes some bytes for each level in a table that
-/// shaders read.
-const CLASS_COUNT_MAX: usize = 128;
+/// Classes are parted while there are no more than so many in all. A shader's table takes 32 bytes for each and 16 for each of its
+/// levels: with twenty levels that is less than 64 KiB, as uniforms may take everywhere.
+const CLASS_COUNT_MAX: usize = 160;
 
 /// Classes, some of them in parts that follow each other; those of the most texels at level 0 first.
 pub fn parted(classes: &[Class]) -> Vec<Class> {

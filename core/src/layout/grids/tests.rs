@@ -186,7 +186,7 @@ proptest! {
         let mut classes = classes;
         classes.iter_mut().for_each(|class| class.block_count += more);
         let parts = parted(&classes);
-        prop_assert!(parts.len() <= classes.len().max(128));
+        prop_assert!(parts.len() <= classes.len().max(160));
         prop_assert!(parts.iter().all(|part| part.block_count > 0));
         let joined = parts.chunk_by(|a, b| Class { block_count: b.block_count, ..*a } == *b);
         let whole: Vec<Class> = joined
