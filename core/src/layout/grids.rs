@@ -4,6 +4,8 @@
 //! blocks have come down to one size may share a grid, one class after the other. A level's width is free, and so are
 //! the columns of its grids: what leaves least empty is taken.
 //!
+//! Blocks of one shape are one class, or several ([`parted`]): they fit in more places then.
+//!
 //! What is painted stands the simple way ([`level_set`]), whose rows are bands for threads. What is stored is set out anew
 //! ([`Page`]), more tightly ([`search`]).
 
