@@ -19,7 +19,7 @@ mod tests;
 use rayon::prelude::*;
 
 use super::blocks::{blocks, placements};
-use super::{Block, Class, LONE_EXPONENT_MAX, Layout, LayoutRequest, Place, SIDE_MAX, twin_shift};
+use super::{Block, Class, Layout, LayoutRequest, Place, SIDE_MAX, twin_shift};
 use level_set::LevelSet;
 pub use parts::parted;
 use search::search;
@@ -49,19 +49,19 @@ impl Class {
         [self.cells[0] * n + extra + 1, self.cells[1] * m + 1]
     }
 
-    /// Whether its blocks are for two lone triangles.
+    /// Whether its blocks have two lone triangles.
     pub fn has_two(&self) -> bool {
-        self.is_lone && self.exponents[0] > LONE_EXPONENT_MAX
+        self.lone_count == 2
     }
 
-    /// Texels of a block at a level that nobody reads, be it full: what lone triangles with their border texels leave of it.
+    /// Texels of a block at a level that nobody reads: what lone triangles with their border texels leave of it.
     pub fn spare_texels(&self, level: usize) -> u32 {
         let [n, _] = self.segments(level);
-        match (self.is_lone, self.has_two()) {
-            (false, _) => 0,
-            (true, false) => n * (n - 1) / 2,
-            (true, true) if n == 1 => 0,
-            (true, true) => 2,
+        match self.lone_count {
+            0 => 0,
+            1 => n * (n - 1) / 2,
+            _ if n == 1 => 0,
+            _ => 2,
         }
     }
 
@@ -175,11 +175,11 @@ impl ClassGrid {
 /// Places every face.
 pub(super) fn arrange(request: &LayoutRequest<'_>) -> Layout {
     let mut blocks = blocks(request, Place::Indexed { class: 0, number: 0 });
-    blocks.sort_by_key(|block| (block.kind.is_lone(), block.exponents, block.kind.first()));
+    blocks.sort_by_key(|block| (block.kind.lone_count(), block.exponents, block.kind.first()));
     let class = |block: &Block| Class {
         cells: [1, 1],
         exponents: block.exponents,
-        is_lone: block.kind.is_lone(),
+        lone_count: block.kind.lone_count(),
         block_count: 0,
     };
     let (classes, numbers) = Class::number(blocks.iter().map(class));

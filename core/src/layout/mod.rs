@@ -112,14 +112,15 @@ pub struct Placement {
     pub shift: u32,
 }
 
-/// Blocks that are laid out in one grid: of equal sides and faces, and of lone triangles or not.
+/// Blocks that are laid out in one grid: of equal sides and faces, and of as many lone triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Class {
     /// Faces along each axis.
     pub cells: [u32; 2],
     /// Of each of its faces.
     pub exponents: [u8; 2],
-    pub is_lone: bool,
+    /// Triangles alone in a block: 0 where it has quads, 1 or 2.
+    pub lone_count: u8,
     pub block_count: u32,
 }
 
@@ -215,6 +216,15 @@ impl BlockKind {
             BlockKind::Twins([first, second]) => (first, Some(second)),
         };
         std::iter::once(first).chain(second).map(|face| face as usize)
+    }
+
+    /// As [`Class::lone_count`].
+    fn lone_count(self) -> u8 {
+        match self {
+            BlockKind::Quad(_) => 0,
+            BlockKind::Lone(_) => 1,
+            BlockKind::Twins(_) => 2,
+        }
     }
 
     /// Whether it holds triangles that have nothing to do with each other.

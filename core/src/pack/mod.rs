@@ -133,12 +133,12 @@ pub fn pack(group: &[Painted<'_>], options: PackOptions) -> Result<Packed> {
 
 /// The blocks of all faces of a material that have texels of their own.
 fn blocks(material: usize, painted: &Painted<'_>, twins: &[Option<Twin>]) -> Vec<Block> {
-    let class = |cells, exponents, is_lone| Class { cells, exponents, is_lone, block_count: 0 };
+    let class = |cells, exponents, lone_count| Class { cells, exponents, lone_count, block_count: 0 };
     let quads = patches(painted, |face| twins[face].is_none());
     let mut blocks: Vec<Block> = quads
         .into_iter()
         .map(|patch| {
-            let class = class(patch.cells, patch.exponents, false);
+            let class = class(patch.cells, patch.exponents, 0);
             Block { material, class, faces: patch.faces }
         })
         .collect();
@@ -146,7 +146,7 @@ fn blocks(material: usize, painted: &Painted<'_>, twins: &[Option<Twin>]) -> Vec
     let mut waiting: [Option<u32>; 32] = [None; 32];
     let lone = |exponent: u8, faces: &[u32]| Block {
         material,
-        class: class([1, 1], [exponent; 2], true),
+        class: class([1, 1], [exponent; 2], faces.len() as u8),
         faces: faces.iter().map(|&face| (face, Turn::NONE)).collect(),
     };
     let is_lone = |face: &usize| painted.canvas.faces[*face].is_triangle() && twins[*face].is_none();
@@ -176,8 +176,12 @@ fn savings(group: &[Painted<'_>], twins: &[Vec<Option<Twin>>], blocks: &[Block])
     for (painted, twins) in group.iter().zip(twins) {
         for face in (0..twins.len()).filter(|&face| twins[face].is_some()) {
             let block = painted.layout.block(face);
-            let is_lone = block.kind.is_lone();
-            let alone = Class { cells: [1, 1], exponents: block.exponents, is_lone, block_count: 0 };
+            let lone_count = match block.kind.is_lone() {
+                false => 0,
+                true if block.exponents[0] <= LONE_EXPONENT_MAX => 1,
+                true => 2,
+            };
+            let alone = Class { cells: [1, 1], exponents: block.exponents, lone_count, block_count: 0 };
             let saved =
                 texels(painted, &alone).map(|texels| if alone.has_two() { texels / 2 } else { texels });
             savings.shared_count += 1;
@@ -203,13 +207,13 @@ impl Painted<'_> {
 
 impl Block {
     /// In which blocks of a part stand: as [`Page::new`] and the table want it.
-    fn order(&self) -> (bool, [u32; 2], [u8; 2], usize, u32) {
-        (self.class.is_lone, self.class.cells, self.class.exponents, self.material, self.faces[0].0)
+    fn order(&self) -> (u8, [u32; 2], [u8; 2], usize, u32) {
+        (self.class.lone_count, self.class.cells, self.class.exponents, self.material, self.faces[0].0)
     }
 
     fn pieces(&self, part: u32, [class, number]: [u32; 2]) -> impl Iterator<Item = Piece> {
         (0u32..).zip(&self.faces).map(move |(place, &(face, turn))| {
-            let is_second = self.class.is_lone && place == 1;
+            let is_second = self.class.has_two() && place == 1;
             let width = self.class.cells[0];
             let cell = if is_second { [0, 0] } else { [place % width, place / width] };
             Piece { material: self.material, face, turn, part, class, number, cell, is_second }

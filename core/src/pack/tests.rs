@@ -157,7 +157,7 @@ fn turns_follow_each_other() {
 /// Two lone triangles with their border texels have texels of their own, all of their block but what is spare.
 #[test]
 fn two_triangles_fill_their_block() {
-    let class = Class { cells: [1, 1], exponents: [5, 5], is_lone: true, block_count: 1 };
+    let class = Class { cells: [1, 1], exponents: [5, 5], lone_count: 2, block_count: 1 };
     for level in 0..7 {
         let [width, height] = class.footprint(level);
         let texels = |is_second: bool| {

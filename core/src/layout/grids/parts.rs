@@ -19,13 +19,16 @@ pub fn parted(classes: &[Class]) -> Vec<Class> {
     let mut order: Vec<usize> = (0..classes.len()).collect();
     order.sort_by_key(|&class| (Reverse(texels(&classes[class])), class));
     let mut parts: Vec<Vec<Class>> = classes.iter().map(|&class| vec![class]).collect();
-    let mut count = classes.len();
+    // With two triangles in a block a class is two of the table's.
+    let entries = |class: &Class| if class.has_two() { 2 } else { 1 };
+    let mut count: usize = classes.iter().map(entries).sum();
     for class in order {
         let of_class: Vec<Class> = (halves(classes[class].block_count))
             .map(|block_count| Class { block_count, ..classes[class] })
             .collect();
-        if count - 1 + of_class.len() <= CLASS_COUNT_MAX {
-            count = count - 1 + of_class.len();
+        let more = entries(&classes[class]) * of_class.len().saturating_sub(1);
+        if count + more <= CLASS_COUNT_MAX {
+            count += more;
             parts[class] = of_class;
         }
     }

@@ -48,7 +48,7 @@ pub fn search(pieces: &[Piece], spare: u64, known: Option<u64>, side_limit: u32)
         known,
         widths: [low, high],
         side_limit,
-        random: Random(2),
+        random: Random(7),
         skyline: Skyline::default(),
         work_max: WORK_MAX.min(pair_count * WORK_OF_PAIR),
         best: None,
