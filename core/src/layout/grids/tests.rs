@@ -96,14 +96,14 @@ fn unread(page: &Page) -> Vec<[u64; 2]> {
     page.sizes.iter().enumerate().map(of_level).collect()
 }
 
-/// At every level, and where few blocks leave little choice too. What is more than 2 % is spare in the blocks of two lone
-/// triangles of two segments.
+/// At every level, and where few blocks leave little choice too. More than 2 %, at the worst level: where blocks of two lone
+/// triangles have near to that spare themselves, and where there are too many classes for all of them to be parted.
 #[test]
 fn little_is_left_unread() {
     let most = |permille: u64, [unread, all]: [u64; 2]| {
         assert!(unread * 1000 <= all * permille, "{unread} of {all}")
     };
-    for (classes, at_worst) in [(fox(), 23), (coarse(), 20), (uniform(), 20)] {
+    for (classes, at_worst) in [(fox(), 23), (coarse(), 22), (uniform(), 20)] {
         let by_level = unread(&Page::new(parted(&classes), 9, 4096));
         by_level.iter().for_each(|&level| most(at_worst, level));
         most(20, by_level.iter().fold([0; 2], |sum, level| [0, 1].map(|k| sum[k] + level[k])));
