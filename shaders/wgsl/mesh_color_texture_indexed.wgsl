@@ -34,9 +34,9 @@ struct MctBlockClass {
     exponents: vec2u,
     // Faces along each axis.
     cells: vec2u,
-    // Texels from the end of the last face to the next block, at every level.
+    // Texels from the end of the last face to the next block: at a level whose faces have k segments, k + 2 at most.
     gap: vec2u,
-    // Texels from the start of the block to its first face, at every level.
+    // Texels from the start of the block to its first face, k + 1 at most.
     shift: vec2u,
 }
 
@@ -63,13 +63,15 @@ fn mct_block_segments(shape: MctBlockClass, level: u32) -> vec2u {
 }
 
 // The place of a local coordinate in the image of `level`, in texels of that image:
-// u_level = (m mod C, m div C) * (cells * k + gap) + local * k + shift + 0.5 + origin, m = first + number.
+// u_level = (m mod C, m div C) * (cells * k + min(gap, k + 2)) + local * k + min(shift, k + 1) + 0.5 + origin,
+// m = first + number.
 // `grid` is the table's entry for the class at this level.
 fn mct_indexed_place(at: MctBlockPlace, grid: MctBlockGrid, level: u32) -> vec2f {
     let segments = mct_block_segments(at.shape, level);
     let number = grid.first + at.number;
     let block = vec2u(number % grid.columns, number / grid.columns);
-    let first = block * (at.shape.cells * segments + at.shape.gap) + at.shape.shift + grid.origin;
+    let pitch = at.shape.cells * segments + min(at.shape.gap, segments + 2u);
+    let first = block * pitch + min(at.shape.shift, segments + 1u) + grid.origin;
     return at.local * vec2f(segments) + (vec2f(first) + 0.5);
 }
 

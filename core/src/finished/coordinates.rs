@@ -5,8 +5,9 @@
 //!
 //! Indexed coordinates: a corner names its block, and each level lays the blocks of a class out as a grid.
 //! With `k = (2^max(r - level, 0), 2^max(s - level, 0))` and `C` columns,
-//! `u_level = (m mod C, m div C) · (cells · k + gap) + local · k + shift + 0.5 + origin`, where `m = first + number`:
-//! classes whose blocks have come down to one size stand in one grid, one behind the other.
+//! `u_level = (m mod C, m div C) · (cells · k + min(gap, k + 2)) + local · k + min(shift, k + 1) + 0.5 + origin`, where
+//! `m = first + number`: classes whose blocks have come down to one size stand in one grid, one behind the other.
+//! What blocks keep besides their faces is no more than a face of that level takes.
 //! Corners are texel centers at every level.
 
 use std::sync::Arc;
@@ -49,10 +50,10 @@ pub struct BlockClass {
     pub exponents: [u8; 2],
     /// Faces along each axis, at least 1. Neighbors in a block share the texels of their common edge.
     pub cells: [u32; 2],
-    /// Texels from the last face's end to the next block's start, at every level: 1, and what a block keeps beside
-    /// its faces.
+    /// Texels from the last face's end to the next block's start: 1, and what a block keeps beside its faces. At a level
+    /// whose faces have `k` segments, `k + 2` at most.
     pub gap: [u32; 2],
-    /// Texels that the faces stand from their block's start, at every level; below `gap`.
+    /// Texels that the faces stand from their block's start, `k + 1` at most; below `gap`.
     pub shift: [u32; 2],
 }
 
@@ -191,9 +192,11 @@ impl BlockTable {
         let number = level_table.firsts.get(class as usize)?.checked_add(number)?;
         let block = [number.checked_rem(columns)?, number.checked_div(columns)?];
         let axis = |k: usize| {
-            let pitch = u64::from(of.cells[k]).checked_mul(segments[k])?.checked_add(of.gap[k].into())?;
+            let gap = u64::from(of.gap[k]).min(segments[k].saturating_add(2));
+            let shift = u64::from(of.shift[k]).min(segments[k].saturating_add(1));
+            let pitch = u64::from(of.cells[k]).checked_mul(segments[k])?.checked_add(gap)?;
             let start = u64::from(block[k]).checked_mul(pitch)?;
-            start.checked_add(u64::from(of.shift[k]) + u64::from(origin[k]))
+            start.checked_add(shift + u64::from(origin[k]))
         };
         Some([axis(0)?, axis(1)?])
     }

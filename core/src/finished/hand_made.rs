@@ -170,7 +170,9 @@ fn level_image(level: usize) -> Image {
         let TableLevel { columns, firsts, origins } = &table.levels[level];
         let (columns, [left, top]) = (columns[block.class as usize], origins[block.class as usize]);
         let place = firsts[block.class as usize] + block.number;
-        let left = left + shift[0] + place % columns * (cells[0] * k + gap[0]);
+        // Lone triangles of one segment stand closer.
+        let [gap_x, shift_x] = if k == 1 { [gap[0].min(3), shift[0].min(2)] } else { [gap[0], shift[0]] };
+        let left = left + shift_x + place % columns * (cells[0] * k + gap_x);
         let top = top + shift[1] + place / columns * (cells[1] * m + gap[1]);
         for [i, j] in (0..=cells[1] * m).flat_map(|j| (0..=cells[0] * k).map(move |i| [i, j])) {
             // A lone triangle has its samples and one line of border texels.

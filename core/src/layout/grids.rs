@@ -4,10 +4,13 @@
 //! blocks have come down to one size may share a grid, one class after the other. A level's width is free, and so are
 //! the columns of its grids: what leaves least empty is taken.
 //!
+//! Blocks of one shape are one class, or several ([`parted`]): they fit in more places then.
+//!
 //! What is painted stands the simple way ([`level_set`]), whose rows are bands for threads. What is stored is set out anew
 //! ([`Page`]), more tightly ([`search`]).
 
 mod level_set;
+mod parts;
 mod search;
 mod skyline;
 #[cfg(test)]
@@ -16,11 +19,17 @@ mod tests;
 use rayon::prelude::*;
 
 use super::blocks::{blocks, placements};
-use super::{Block, Class, LONE_EXPONENT_MAX, Layout, LayoutRequest, Place, TWIN_SHIFT, too_large};
+use super::{Block, Class, Layout, LayoutRequest, Place, too_large, twin_shift};
 use crate::error::Result;
 use level_set::LevelSet;
+pub use parts::parted;
 use search::search;
 use skyline::Piece;
+
+/// Levels of more texels are set out the simple way first, and others only where the search leaves more than one texel in
+/// so many empty.
+const LARGE_TEXELS: u64 = 1 << 18;
+const TIGHT_PART: u64 = 50;
 
 /// Where a class stands at a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,13 +46,24 @@ impl Class {
     /// Texels of a block at a level, along x and y.
     pub fn footprint(&self, level: usize) -> [u32; 2] {
         let [n, m] = self.segments(level);
-        let extra = if self.has_two() { TWIN_SHIFT } else { 0 };
+        let extra = if self.has_two() { twin_shift(n) } else { 0 };
         [self.cells[0] * n + extra + 1, self.cells[1] * m + 1]
     }
 
-    /// Whether its blocks are for two lone triangles.
+    /// Whether its blocks have two lone triangles.
     pub fn has_two(&self) -> bool {
-        self.is_lone && self.exponents[0] > LONE_EXPONENT_MAX
+        self.lone_count == 2
+    }
+
+    /// Texels of a block at a level that nobody reads: what lone triangles with their border texels leave of it.
+    pub fn spare_texels(&self, level: usize) -> u32 {
+        let [n, _] = self.segments(level);
+        match self.lone_count {
+            0 => 0,
+            1 => n * (n - 1) / 2,
+            _ if n == 1 => 0,
+            _ => 2,
+        }
     }
 
     /// Segments along a face's sides at a level.
@@ -87,8 +107,8 @@ struct Level {
 }
 
 impl Page {
-    /// Sets out every level as tightly as was found: by [`search`], or the simple way where that takes fewer texels. Many
-    /// classes of large blocks stand best one under the other.
+    /// Sets out every level as tightly as was found: by [`search`], or the simple way where that leaves much empty and the simple
+    /// way less. Many classes of large blocks stand best one under the other.
     pub fn new(classes: Vec<Class>, level_count: usize, side_limit: u32) -> Self {
         let footprints =
             |level: usize| -> Vec<[u32; 2]> { classes.iter().map(|class| class.footprint(level)).collect() };
@@ -115,14 +135,26 @@ impl Page {
 
 impl Level {
     fn new(classes: &[Class], level: usize, side_limit: u32) -> Self {
-        let set = LevelSet::narrowest(classes, level, side_limit);
-        let simple = Self { size: set.size(), grids: set.class_grids(classes) };
         let piece =
             |class: &Class| Piece { footprint: class.footprint(level), block_count: class.block_count };
         let pieces: Vec<Piece> = classes.iter().map(piece).collect();
-        match search(&pieces, side_limit) {
-            Some(found) if found.key(side_limit) < simple.key(side_limit) => found,
-            _ => simple,
+        let spare = |class: &Class| u64::from(class.spare_texels(level)) * u64::from(class.block_count);
+        let spare = classes.iter().map(spare).sum();
+        let texels: u64 = pieces.iter().map(Piece::texels).sum();
+        let simple = || {
+            let set = LevelSet::narrowest(classes, level, side_limit);
+            Self { size: set.size(), grids: set.class_grids(classes) }
+        };
+        let known = (texels > LARGE_TEXELS).then(simple);
+        let enough = known.as_ref().map(|known| known.key(side_limit)).filter(|(is_over, _)| !is_over);
+        let found = search(&pieces, spare, enough.map(|(_, texels)| texels), side_limit);
+        let is_tight = |found: &Self| found.key(side_limit) <= (false, texels + texels / TIGHT_PART);
+        match (found, known) {
+            (Some(found), None) if is_tight(&found) => found,
+            (found, known) => {
+                let simple = known.unwrap_or_else(simple);
+                found.filter(|found| found.key(side_limit) < simple.key(side_limit)).unwrap_or(simple)
+            }
         }
     }
 
@@ -147,11 +179,11 @@ impl ClassGrid {
 /// `TextureTooLarge`.
 pub(super) fn arrange(request: &LayoutRequest<'_>, side_limit: u32) -> Result<Layout> {
     let mut blocks = blocks(request, Place::Indexed { class: 0, number: 0 });
-    blocks.sort_by_key(|block| (block.kind.is_lone(), block.exponents, block.kind.first()));
+    blocks.sort_by_key(|block| (block.kind.lone_count(), block.exponents, block.kind.first()));
     let class = |block: &Block| Class {
         cells: [1, 1],
         exponents: block.exponents,
-        is_lone: block.kind.is_lone(),
+        lone_count: block.kind.lone_count(),
         block_count: 0,
     };
     let (classes, numbers) = Class::number(blocks.iter().map(class));

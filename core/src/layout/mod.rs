@@ -2,7 +2,8 @@
 //!
 //! A block is a rectangle of `n + 1` by `m + 1` texels for a quad, its longer side along x, or of `n + 4` by `n + 1` for two lone triangles,
 //! the second turned by 180° and shifted by three texels: each of the two needs a line of border texels of its
-//! own (MCT 3.1), which the increments of MCT Algorithm 1 leave no room for.
+//! own (MCT 3.1), which the increments of MCT Algorithm 1 leave no room for. Of one segment they have two by two texels each, so that a
+//! shift of two is enough; indexed coordinates have that ([`twin_shift`]).
 //!
 //! Two kinds of coordinates name a block's place. 4D ones ([`scaled`]) shrink all places by the same factor from level to
 //! level, packed as in the paper ([`rows`]) or closer ([`shelves`]); indexed ones ([`grids`]) name a block's number, and every level has grids of its own.
@@ -16,7 +17,7 @@ mod split;
 #[cfg(test)]
 mod tests;
 
-pub use grids::{ClassGrid, Page};
+pub use grids::{ClassGrid, Page, parted};
 pub use split::split;
 
 use std::ops::Range;
@@ -30,13 +31,20 @@ use crate::mesh::{CanvasFace, CanvasMesh};
 /// Texels that a block with 4D coordinates keeps to the next, at every level: `b` of MCT 3.4, so that footprints stay
 /// apart beyond vertex colors too.
 pub const SEPARATION: u32 = 2;
-/// Constant shift of the second lone triangle of a block, in texels of every level.
+/// Shift of the second lone triangle of a block, in texels: with 4D coordinates of every level, with indexed ones as far as
+/// [`twin_shift`] does not say less.
 pub const TWIN_SHIFT: u32 = 3;
 /// With indexed coordinates, lone triangles of up to this exponent have a block each, of `(n + 1)²` texels: at every level no
 /// more than half of what two take. (For larger ones it is more at level 0.)
 pub const LONE_EXPONENT_MAX: u8 = 1;
 /// Larger textures than any device takes, and samples are numbered in 32 bits, three to a normal.
 const SIDE_MAX: u32 = 32_768;
+
+/// Shift of the second lone triangle of a block with indexed coordinates where sides have so many segments: no more than puts it
+/// beside the first one's square.
+pub fn twin_shift(segments: u32) -> u32 {
+    TWIN_SHIFT.min(segments + 1)
+}
 
 /// How a viewer finds a face's texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,18 +112,20 @@ pub struct Placement {
     pub block: u32,
     /// By corner: 0 or 1 along x and y.
     pub corners: [[u8; 2]; 4],
-    /// [`TWIN_SHIFT`] for the second of two lone triangles, else 0.
+    /// [`TWIN_SHIFT`] for the second of two lone triangles, else 0. With indexed coordinates coarse levels have less:
+    /// [`Layout::shift`].
     pub shift: u32,
 }
 
-/// Blocks that are laid out in one grid: of equal sides and faces, and of lone triangles or not.
+/// Blocks that are laid out in one grid: of equal sides and faces, and of as many lone triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Class {
     /// Faces along each axis.
     pub cells: [u32; 2],
     /// Of each of its faces.
     pub exponents: [u8; 2],
-    pub is_lone: bool,
+    /// Triangles alone in a block: 0 where it has quads, 1 or 2.
+    pub lone_count: u8,
     pub block_count: u32,
 }
 
@@ -231,6 +241,15 @@ impl BlockKind {
         std::iter::once(first).chain(second).map(|face| face as usize)
     }
 
+    /// As [`Class::lone_count`].
+    fn lone_count(self) -> u8 {
+        match self {
+            BlockKind::Quad(_) => 0,
+            BlockKind::Lone(_) => 1,
+            BlockKind::Twins(_) => 2,
+        }
+    }
+
     /// Whether it holds triangles that have nothing to do with each other.
     pub fn is_lone(self) -> bool {
         matches!(self, BlockKind::Lone(_) | BlockKind::Twins(_))
@@ -307,6 +326,18 @@ impl Layout {
         }
     }
 
+    /// Texels along x by which a face stands from its block's start at a level.
+    pub fn shift(&self, face: usize, level: usize) -> u32 {
+        let shift = self.placements[face].shift;
+        let block = self.block(face);
+        match block.place {
+            Place::Indexed { .. } if shift > 0 => {
+                twin_shift(1 << usize::from(block.exponents[0]).saturating_sub(level))
+            }
+            _ => shift,
+        }
+    }
+
     /// What a corner's coordinates say: of 4D ones `u_s` in texels, of indexed ones 0 or 1 along the block's sides.
     pub fn corner(&self, face: usize, corner: usize) -> Vec2 {
         let block = self.block(face);
@@ -331,7 +362,7 @@ impl Layout {
     pub fn place(&self, face: usize, corner: usize, level: usize) -> Vec2 {
         let block = self.block(face);
         let placement = &self.placements[face];
-        let first = self.first_corner(block, level) + DVec2::new(placement.shift.into(), 0.0) + 0.5;
+        let first = self.first_corner(block, level) + DVec2::new(self.shift(face, level).into(), 0.0) + 0.5;
         let [x, y] = placement.corners[corner].map(f64::from);
         let side = |k: usize| {
             let exponent = f64::from(block.exponents[k]) - level as f64;

@@ -58,7 +58,7 @@ impl Packed {
         let segments = class.segments(level);
         let [x, y] = page.grids[level][piece.class as usize].first_texel(class, level, piece.number);
         let first = [x + piece.cell[0] * segments[0], y + piece.cell[1] * segments[1]];
-        FaceTexels::new(first, segments, page.sizes[level][0], class.is_lone, piece.is_second)
+        FaceTexels::new(first, segments, page.sizes[level][0], class.lone_count > 0, piece.is_second)
     }
 }
 

@@ -17,7 +17,7 @@ mod turn;
 
 use crate::error::Result;
 use crate::image::Image;
-use crate::layout::{Class, LONE_EXPONENT_MAX, Layout, Page};
+use crate::layout::{Class, LONE_EXPONENT_MAX, Layout, Page, parted};
 use crate::mesh::CanvasMesh;
 
 pub use copy::Channel;
@@ -117,10 +117,15 @@ pub fn pack(group: &[Painted<'_>], options: PackOptions) -> Result<Packed> {
     };
     for (part, mut blocks) in (0u32..).zip(split(blocks, options.max_side)?) {
         blocks.sort_by_key(Block::order);
-        let (classes, places) = Class::number(blocks.iter().map(|block| block.class));
-        packed.pages.push(Page::new(classes, level_count, options.max_side));
+        let (classes, _) = Class::number(blocks.iter().map(|block| block.class));
+        let classes = parted(&classes);
+        // Blocks stand in the order of their classes, and so of the parts.
+        let places = (0u32..)
+            .zip(&classes)
+            .flat_map(|(class, of)| (0..of.block_count).map(move |number| [class, number]));
         let pieces = blocks.iter().zip(places).flat_map(|(block, place)| block.pieces(part, place));
         packed.pieces.push(pieces.collect());
+        packed.pages.push(Page::new(classes, level_count, options.max_side));
     }
     packed.find_spots(group, &twins);
     Ok(packed)
@@ -128,12 +133,12 @@ pub fn pack(group: &[Painted<'_>], options: PackOptions) -> Result<Packed> {
 
 /// The blocks of all faces of a material that have texels of their own.
 fn blocks(material: usize, painted: &Painted<'_>, twins: &[Option<Twin>]) -> Vec<Block> {
-    let class = |cells, exponents, is_lone| Class { cells, exponents, is_lone, block_count: 0 };
+    let class = |cells, exponents, lone_count| Class { cells, exponents, lone_count, block_count: 0 };
     let quads = patches(painted, |face| twins[face].is_none());
     let mut blocks: Vec<Block> = quads
         .into_iter()
         .map(|patch| {
-            let class = class(patch.cells, patch.exponents, false);
+            let class = class(patch.cells, patch.exponents, 0);
             Block { material, class, faces: patch.faces }
         })
         .collect();
@@ -141,7 +146,7 @@ fn blocks(material: usize, painted: &Painted<'_>, twins: &[Option<Twin>]) -> Vec
     let mut waiting: [Option<u32>; 32] = [None; 32];
     let lone = |exponent: u8, faces: &[u32]| Block {
         material,
-        class: class([1, 1], [exponent; 2], true),
+        class: class([1, 1], [exponent; 2], faces.len() as u8),
         faces: faces.iter().map(|&face| (face, Turn::NONE)).collect(),
     };
     let is_lone = |face: &usize| painted.canvas.faces[*face].is_triangle() && twins[*face].is_none();
@@ -171,8 +176,12 @@ fn savings(group: &[Painted<'_>], twins: &[Vec<Option<Twin>>], blocks: &[Block])
     for (painted, twins) in group.iter().zip(twins) {
         for face in (0..twins.len()).filter(|&face| twins[face].is_some()) {
             let block = painted.layout.block(face);
-            let is_lone = block.kind.is_lone();
-            let alone = Class { cells: [1, 1], exponents: block.exponents, is_lone, block_count: 0 };
+            let lone_count = match block.kind.is_lone() {
+                false => 0,
+                true if block.exponents[0] <= LONE_EXPONENT_MAX => 1,
+                true => 2,
+            };
+            let alone = Class { cells: [1, 1], exponents: block.exponents, lone_count, block_count: 0 };
             let saved =
                 texels(painted, &alone).map(|texels| if alone.has_two() { texels / 2 } else { texels });
             savings.shared_count += 1;
@@ -198,13 +207,13 @@ impl Painted<'_> {
 
 impl Block {
     /// In which blocks of a part stand: as [`Page::new`] and the table want it.
-    fn order(&self) -> (bool, [u32; 2], [u8; 2], usize, u32) {
-        (self.class.is_lone, self.class.cells, self.class.exponents, self.material, self.faces[0].0)
+    fn order(&self) -> (u8, [u32; 2], [u8; 2], usize, u32) {
+        (self.class.lone_count, self.class.cells, self.class.exponents, self.material, self.faces[0].0)
     }
 
     fn pieces(&self, part: u32, [class, number]: [u32; 2]) -> impl Iterator<Item = Piece> {
         (0u32..).zip(&self.faces).map(move |(place, &(face, turn))| {
-            let is_second = self.class.is_lone && place == 1;
+            let is_second = self.class.has_two() && place == 1;
             let width = self.class.cells[0];
             let cell = if is_second { [0, 0] } else { [place % width, place / width] };
             Piece { material: self.material, face, turn, part, class, number, cell, is_second }

@@ -3,12 +3,13 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 
 use super::copy::Channel;
+use super::texels::FaceTexels;
 use super::turn::Turn;
 use super::{PackOptions, Packed, Painted, pack};
 use crate::colors::{Resolutions, level_count};
 use crate::error::ErrorCode;
 use crate::image::{Image, Pixels};
-use crate::layout::{Coordinates, Layout, LayoutRequest, TWIN_SHIFT, arrange};
+use crate::layout::{Class, Coordinates, Layout, LayoutRequest, arrange};
 use crate::mesh::{CanvasMesh, Polygons, build};
 
 /// A sheet of `side` by `side` squares around the origin. `starts`: by square, which corner comes first and whether it
@@ -119,9 +120,13 @@ fn is_unchanged(sheets: &[&Sheet], packed: &Packed) -> Result<(), TestCaseError>
                 let page = &packed.pages[spot.part as usize];
                 let class = &page.classes[spot.class as usize];
                 let [x, y] = page.grids[level][spot.class as usize].first_texel(class, level, spot.number);
-                let first =
-                    Vec2::new(x as f32 + if spot.is_second { TWIN_SHIFT as f32 } else { 0.0 }, y as f32);
                 let [n, m] = class.segments(level);
+                let shift = match n {
+                    _ if !spot.is_second => 0,
+                    1 => 2,
+                    _ => 3,
+                };
+                let first = Vec2::new((x + shift) as f32, y as f32);
                 let place = |corner: usize| {
                     let [x, y] = spot.corners[corner];
                     first + Vec2::new((x * n) as f32 + 0.5, (y * m) as f32 + 0.5)
@@ -147,6 +152,26 @@ fn turns_follow_each_other() {
             let both = one.then(two).point(point, size);
             assert_eq!(both, two.point(one.point(point, size), one.pair(size)));
         }
+    }
+}
+
+/// Two lone triangles with their border texels have texels of their own, all of their block but what is spare.
+#[test]
+fn two_triangles_fill_their_block() {
+    let class = Class { cells: [1, 1], exponents: [5, 5], lone_count: 2, block_count: 1 };
+    for level in 0..7 {
+        let [width, height] = class.footprint(level);
+        let texels = |is_second: bool| {
+            let face = FaceTexels::new([0, 0], class.segments(level), width, true, is_second);
+            face.rows().flatten().collect::<Vec<usize>>()
+        };
+        let mut all = [texels(false), texels(true)].concat();
+        let count = all.len();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), count, "level {level}: both have a texel");
+        assert!(all.last().is_some_and(|&last| last < (width * height) as usize));
+        assert_eq!(count as u32 + class.spare_texels(level), width * height, "level {level}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! The texels of one face in a level image.
 
 use crate::image::{Image, Pixels};
-use crate::layout::{Layout, TWIN_SHIFT};
+use crate::layout::{Layout, twin_shift};
 
 use super::turn::Turn;
 
@@ -22,7 +22,7 @@ impl FaceTexels {
         let along = [1, width as isize];
         let texel = |x: u32, y: u32| y as usize * width as usize + x as usize;
         if is_turned {
-            let start = texel(x + segments[0] + TWIN_SHIFT, y + segments[1]);
+            let start = texel(x + segments[0] + twin_shift(segments[0]), y + segments[1]);
             return Self { start, along: along.map(|step| -step), segments, is_lone };
         }
         Self { start: texel(x, y), along, segments, is_lone }

@@ -16,9 +16,10 @@ pub struct MctBlockClass {
     pub exponents: UVec2,
     /// Faces along each axis.
     pub cells: UVec2,
-    /// Texels from the end of the last face to the next block, at every level.
+    /// Texels from the end of the last face to the next block: at a level whose faces have `k` segments, `k + 2` at
+    /// most.
     pub gap: UVec2,
-    /// Texels from the start of the block to its first face, at every level.
+    /// Texels from the start of the block to its first face, `k + 1` at most.
     pub shift: UVec2,
 }
 
@@ -99,7 +100,8 @@ pub fn mct_indexed_place(at: MctBlockPlace, grid: MctBlockGrid, level: u32) -> V
     let segments = mct_block_segments(at.shape, level);
     let number = grid.first + at.number;
     let block = UVec2::new(number % grid.columns, number / grid.columns);
-    let first = block * (at.shape.cells * segments + at.shape.gap) + at.shape.shift + grid.origin;
+    let pitch = at.shape.cells * segments + at.shape.gap.min(segments + 2);
+    let first = block * pitch + at.shape.shift.min(segments + 1) + grid.origin;
     at.local * segments.as_vec2() + (first.as_vec2() + 0.5)
 }
 

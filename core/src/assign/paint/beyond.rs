@@ -62,7 +62,7 @@ pub(super) fn span(corner: f64, side: f64) -> u32 {
 impl BeyondCell {
     pub fn new(channel: &LevelChannel<'_>, block: &Block, face: usize) -> Self {
         let level = channel.numbering.level;
-        let shift = channel.layout.placements[face].shift;
+        let shift = channel.layout.shift(face, level);
         let corner = channel.layout.first_corner(block, level) + DVec2::new(f64::from(shift), 0.0);
         let side = DVec2::from(block.exponents.map(|exponent| (f64::from(exponent) - level as f64).exp2()));
         let first = corner.floor();

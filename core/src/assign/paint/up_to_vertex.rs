@@ -71,15 +71,16 @@ impl Painter<'_> {
 
     fn grid(&self, band: &Band<'_>, block: &Block, face: usize) -> Grid {
         let numbering = self.channel.numbering;
-        let placement = &self.channel.layout.placements[face];
+        let layout = self.channel.layout;
+        let placement = &layout.placements[face];
         let shape = numbering.shape(face);
-        let [x, y] = self.channel.layout.first_texel(block, numbering.level);
+        let [x, y] = layout.first_texel(block, numbering.level);
         let corner = |k: usize| placement.corners[k].map(|unit| i32::from(unit) as isize);
         let [start, i_end, j_end] = [corner(0), corner(1), corner(shape.edge_count() - 1)];
         let along = |end: [isize; 2]| (end[1] - start[1]) * band.width as isize + (end[0] - start[0]);
         // Only lone triangles, whose sides are equal, begin elsewhere than at the first texel.
         let [left, top] = placement.corners[0].map(|unit| u32::from(unit) * shape.segments[0]);
-        let origin = band.texel(x + left + placement.shift, y + top);
+        let origin = band.texel(x + left + layout.shift(face, numbering.level), y + top);
         Grid { face, shape, origin, along: [along(i_end), along(j_end)] }
     }
 

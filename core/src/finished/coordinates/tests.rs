@@ -17,8 +17,16 @@ fn doubled(table: &BlockTable, class: u32, number: u32, local: [i64; 2], level: 
         for _ in level..usize::from(exponents[axis]) {
             k *= 2;
         }
-        let pitch = i64::from(cells[axis]) * k + i64::from(gap[axis]);
-        2 * (block[axis] * pitch + local[axis] * k + i64::from(shift[axis]) + i64::from(origin[axis])) + 1
+        // A second triangle begins no later than right behind a square of the first one's size.
+        let (mut gap, mut shift) = (i64::from(gap[axis]), i64::from(shift[axis]));
+        if gap > k + 2 {
+            gap = k + 2;
+        }
+        if shift > k + 1 {
+            shift = k + 1;
+        }
+        let pitch = i64::from(cells[axis]) * k + gap;
+        2 * (block[axis] * pitch + local[axis] * k + shift + i64::from(origin[axis])) + 1
     })
 }
 

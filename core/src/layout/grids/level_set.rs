@@ -216,7 +216,7 @@ fn grids(classes: &[Class], level: usize) -> Vec<Grid> {
         let end_block = first_block + class.block_count as usize;
         let footprint = class.footprint(level);
         let same = |last: &&mut Grid| {
-            last.footprint == footprint && classes[last.classes.start].is_lone == class.is_lone
+            last.footprint == footprint && classes[last.classes.start].lone_count == class.lone_count
         };
         match grids.last_mut().filter(same) {
             Some(last) => {

@@ -9,16 +9,21 @@ const WIDTHS: ([f64; 2], u32) = ([0.5, 1.6], 48);
 /// Coprime to their number: the order they are tried in goes over the whole range, should the work end early.
 const WIDTH_STRIDE: u32 = 29;
 /// Grids that are looked at for a level: at most, and for each pair of groups.
-const WORK_MAX: u64 = 4_000_000;
-const WORK_OF_PAIR: u64 = 10_000;
-/// What may be left empty of a level before the search goes on: one texel in so many.
-const EMPTY_PART: u64 = 200;
+const WORK_MAX: u64 = 2_000_000;
+const WORK_OF_PAIR: u64 = 8_000;
+/// The search ends where no more than one texel in so many is empty, and no more than one in so many is not read (empty, or
+/// spare in a block); after that work where the second holds; after that work so many times in any case. Where spare ones alone
+/// come near to the second, the empty ones need not be fewer than one in so many.
+const EMPTY_PART: u64 = 100;
+const UNREAD_PART: u64 = 50;
+const EMPTY_PART_LEAST: u64 = 400;
+const LATE_COUNT: u64 = 12;
 /// Plans that are changed by turns.
-const PLANS_KEPT: usize = 6;
-/// A changed plan may be worse at first by up to this share of the texels, in the end not at all.
-const HEAT: f64 = 0.005;
+const PLANS_KEPT: usize = 20;
+/// A changed plan may be worse by up to this share of the texels, less and less until the work is done, then anew.
+const HEAT: f64 = 0.01;
 /// Changes at a time.
-const CHANGES_MAX: u32 = 3;
+const CHANGES_MAX: u32 = 4;
 /// Height that grids should keep to beyond what all texels need, as a share of it.
 const SPARE_MAX: f32 = 0.02;
 /// What weighs how much; found by trying on six class lists of three models.
@@ -27,7 +32,9 @@ const TASTE: Taste = Taste { lost: 1.0, over: 6.0, full_width: 0.1, as_high: [0.
 const WEIGHTS: [f32; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 
 /// The grids of a level with the least texels that were found within the limit.
-pub fn search(pieces: &[Piece], side_limit: u32) -> Option<Level> {
+/// `spare`: of the blocks' texels those that nobody reads. `known`: the texels of another way to set the level out, if there is one;
+/// where that is good enough the search ends as early as if it had found it.
+pub fn search(pieces: &[Piece], spare: u64, known: Option<u64>, side_limit: u32) -> Option<Level> {
     let texels: u64 = pieces.iter().map(Piece::texels).sum();
     let widest = pieces.iter().map(|piece| piece.footprint[0]).max()?;
     let side = (texels as f64).sqrt();
@@ -37,9 +44,11 @@ pub fn search(pieces: &[Piece], side_limit: u32) -> Option<Level> {
     let mut search = Search {
         pieces,
         texels,
+        spare,
+        known,
         widths: [low, high],
         side_limit,
-        random: Random(1),
+        random: Random(7),
         skyline: Skyline::default(),
         work_max: WORK_MAX.min(pair_count * WORK_OF_PAIR),
         best: None,
@@ -85,6 +94,10 @@ struct Search<'a> {
     pieces: &'a [Piece],
     /// Of all blocks.
     texels: u64,
+    /// Of these, those that nobody reads.
+    spare: u64,
+    /// Texels of another way to set the level out.
+    known: Option<u64>,
     /// The least and the most.
     widths: [u32; 2],
     side_limit: u32,
@@ -141,10 +154,10 @@ impl Search<'_> {
 
     /// Changes plans by turns and keeps what is better, or a little worse while there is much work left.
     fn change(&mut self, mut kept: Vec<(u64, Plan)>) {
-        while self.skyline.work < self.work_max && !kept.is_empty() && !self.is_done() {
+        while !kept.is_empty() && !self.is_done() {
             let number = self.random.below(kept.len() as u32) as usize;
             let (was, plan) = &kept[number];
-            let work_left = 1.0 - self.skyline.work as f64 / self.work_max as f64;
+            let work_left = 1.0 - (self.skyline.work as f64 / self.work_max as f64).fract();
             let texels_max = *was as f64 * (1.0 + HEAT * f64::from(self.random.unit()) * work_left);
             let mut plan = plan.clone();
             for _ in 0..=self.random.below(CHANGES_MAX) {
@@ -157,25 +170,32 @@ impl Search<'_> {
     }
 
     fn is_done(&self) -> bool {
-        let enough = self.texels + self.texels / EMPTY_PART;
-        self.best.as_ref().is_some_and(|best| product(best.size) <= enough)
+        let least = self.texels / EMPTY_PART_LEAST;
+        let late = (self.texels / UNREAD_PART).saturating_sub(self.spare).max(least);
+        let empty_max = match self.skyline.work / self.work_max {
+            0 => late.min(self.texels / EMPTY_PART),
+            1..LATE_COUNT => late,
+            _ => return true,
+        };
+        let best = self.best.as_ref().map(|best| product(best.size));
+        best.into_iter().chain(self.known).min().is_none_or(|best| best <= self.texels + empty_max)
     }
 
     fn change_once(&mut self, plan: &mut Plan) {
         let random = &mut self.random;
         let number = random.below(plan.groups.len() as u32) as usize;
         let group = &mut plan.groups[number];
-        match random.below(12) {
+        match random.below(15) {
             0 | 1 => {
                 let by = 1 + random.below(1 + plan.width / 64);
                 let width =
                     if random.below(2) == 0 { plan.width + by } else { plan.width.saturating_sub(by) };
                 plan.width = width.clamp(self.widths[0], self.widths[1]);
             }
-            2 => self.join_or_part(&mut plan.groups, number),
-            3 => plan.spare = SPARE_MAX * random.unit(),
-            4 => plan.taste = random.taste(),
-            5 | 6 => {
+            2..=5 => self.join_or_part(&mut plan.groups, number),
+            6 => plan.spare = SPARE_MAX * random.unit(),
+            7 => plan.taste = random.taste(),
+            8 | 9 => {
                 let most = (plan.width / group.piece.footprint[0]).clamp(1, group.piece.block_count);
                 group.columns_max = if random.below(3) == 0 { u32::MAX } else { 1 + random.below(most) };
             }
@@ -183,21 +203,22 @@ impl Search<'_> {
         }
     }
 
-    /// Parts a group of several classes in two, or joins a single one with another of its size.
+    /// Joins a group with another of its size, or parts it in two.
     fn join_or_part(&mut self, groups: &mut Vec<Group>, number: usize) {
-        let classes = groups[number].classes.clone();
-        if classes.len() > 1 {
-            let (one, other) = classes.split_at(1 + self.random.below(classes.len() as u32 - 1) as usize);
-            groups[number] = Group::new(self.pieces, one.to_vec());
-            groups.push(Group::new(self.pieces, other.to_vec()));
-            return;
-        }
-        let footprint = groups[number].piece.footprint;
-        let is_other = |other: &usize| *other != number && groups[*other].piece.footprint == footprint;
-        if let Some(other) = (0..groups.len()).find(is_other) {
-            let all = classes.into_iter().chain(groups[other].classes.clone()).collect();
+        let Group { piece, classes, .. } = &groups[number];
+        let is_other = |other: &usize| *other != number && groups[*other].piece.footprint == piece.footprint;
+        let others: Vec<usize> = (0..groups.len()).filter(is_other).collect();
+        if !others.is_empty() && (classes.len() == 1 || self.random.below(2) == 0) {
+            let other = others[self.random.below(others.len() as u32) as usize];
+            let all = classes.iter().chain(&groups[other].classes).copied().collect();
             groups[number] = Group::new(self.pieces, all);
             groups.swap_remove(other);
+            return;
+        }
+        let (one, other): (Vec<usize>, Vec<usize>) = classes.iter().partition(|_| self.random.below(2) == 0);
+        if !one.is_empty() && !other.is_empty() {
+            groups[number] = Group::new(self.pieces, one);
+            groups.push(Group::new(self.pieces, other));
         }
     }
 }
