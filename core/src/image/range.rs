@@ -104,6 +104,9 @@ impl LevelRange {
 
     /// The value of one texel as it enters a filter: gray in red, green and blue, alpha 1 where there is
     /// none. `x < width`, `y < height`; an image of 8 bits has no range and gives its codes over 255.
+    // Never called as a function: rustc 1.95 may let a vector be returned into the place of an array of the caller's, which is
+    // aligned to 4 bytes and not to 16.
+    #[inline(always)]
     pub fn texel(&self, image: &Image, x: u32, y: u32) -> Vec4 {
         let Pixels::U16(codes) = &image.pixels else { return Vec4::from(image.normalized(x, y)) };
         let count = usize::from(image.components);

@@ -23,13 +23,21 @@ use super::{Block, Class, Layout, LayoutRequest, Place, too_large, twin_shift};
 use crate::error::Result;
 use level_set::LevelSet;
 pub use parts::parted;
-use search::search;
+use search::{Goal, search};
 use skyline::Piece;
 
 /// Levels of more texels are set out the simple way first, and others only where the search leaves more than one texel in
 /// so many empty.
 const LARGE_TEXELS: u64 = 1 << 18;
 const TIGHT_PART: u64 = 50;
+
+/// How long a tight way to set out the levels is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Packing {
+    Quick,
+    /// Until no more than 2 % of a level is unread, or the work for it is done.
+    Tight,
+}
 
 /// Where a class stands at a level.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -109,7 +117,7 @@ struct Level {
 impl Page {
     /// Sets out every level as tightly as was found: by [`search`], or the simple way where that leaves much empty and the simple
     /// way less. Many classes of large blocks stand best one under the other.
-    pub fn new(classes: Vec<Class>, level_count: usize, side_limit: u32) -> Self {
+    pub fn new(classes: Vec<Class>, level_count: usize, side_limit: u32, packing: Packing) -> Self {
         let footprints =
             |level: usize| -> Vec<[u32; 2]> { classes.iter().map(|class| class.footprint(level)).collect() };
         // From where all faces have come down to one segment all levels are alike.
@@ -117,7 +125,7 @@ impl Page {
         let distinct_count = last.map_or(level_count, |last| last + 1);
         let mut levels: Vec<Level> = (0..distinct_count)
             .into_par_iter()
-            .map(|level| Level::new(&classes, level, side_limit))
+            .map(|level| Level::new(&classes, level, side_limit, packing))
             .collect();
         while let Some(last) = levels.last().filter(|_| levels.len() < level_count) {
             levels.push(last.clone());
@@ -134,7 +142,7 @@ impl Page {
 }
 
 impl Level {
-    fn new(classes: &[Class], level: usize, side_limit: u32) -> Self {
+    fn new(classes: &[Class], level: usize, side_limit: u32, packing: Packing) -> Self {
         let piece =
             |class: &Class| Piece { footprint: class.footprint(level), block_count: class.block_count };
         let pieces: Vec<Piece> = classes.iter().map(piece).collect();
@@ -147,7 +155,8 @@ impl Level {
         };
         let known = (texels > LARGE_TEXELS).then(simple);
         let enough = known.as_ref().map(|known| known.key(side_limit)).filter(|(is_over, _)| !is_over);
-        let found = search(&pieces, spare, enough.map(|(_, texels)| texels), side_limit);
+        let goal = Goal { spare, known: enough.map(|(_, texels)| texels), side_limit, packing };
+        let found = search(&pieces, goal);
         let is_tight = |found: &Self| found.key(side_limit) <= (false, texels + texels / TIGHT_PART);
         match (found, known) {
             (Some(found), None) if is_tight(&found) => found,

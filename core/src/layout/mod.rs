@@ -17,7 +17,7 @@ mod split;
 #[cfg(test)]
 mod tests;
 
-pub use grids::{ClassGrid, Page, parted};
+pub use grids::{ClassGrid, Packing, Page, parted};
 pub use split::split;
 
 use std::ops::Range;

@@ -17,7 +17,7 @@ mod turn;
 
 use crate::error::Result;
 use crate::image::Image;
-use crate::layout::{Class, LONE_EXPONENT_MAX, Layout, Page, parted};
+use crate::layout::{Class, LONE_EXPONENT_MAX, Layout, Packing, Page, parted};
 use crate::mesh::CanvasMesh;
 
 pub use copy::Channel;
@@ -40,6 +40,7 @@ pub struct PackOptions {
     pub shares: bool,
     /// Largest side of an image. What needs more becomes several parts.
     pub max_side: u32,
+    pub packing: Packing,
 }
 
 /// Where a face stands.
@@ -118,14 +119,17 @@ pub fn pack(group: &[Painted<'_>], options: PackOptions) -> Result<Packed> {
     for (part, mut blocks) in (0u32..).zip(split(blocks, options.max_side)?) {
         blocks.sort_by_key(Block::order);
         let (classes, _) = Class::number(blocks.iter().map(|block| block.class));
-        let classes = parted(&classes);
+        let classes = match options.packing {
+            Packing::Quick => classes,
+            Packing::Tight => parted(&classes),
+        };
         // Blocks stand in the order of their classes, and so of the parts.
         let places = (0u32..)
             .zip(&classes)
             .flat_map(|(class, of)| (0..of.block_count).map(move |number| [class, number]));
         let pieces = blocks.iter().zip(places).flat_map(|(block, place)| block.pieces(part, place));
         packed.pieces.push(pieces.collect());
-        packed.pages.push(Page::new(classes, level_count, options.max_side));
+        packed.pages.push(Page::new(classes, level_count, options.max_side, options.packing));
     }
     packed.find_spots(group, &twins);
     Ok(packed)

@@ -9,7 +9,7 @@ use super::{PackOptions, Packed, Painted, pack};
 use crate::colors::{Resolutions, level_count};
 use crate::error::ErrorCode;
 use crate::image::{Image, Pixels};
-use crate::layout::{Class, Coordinates, Layout, LayoutRequest, arrange};
+use crate::layout::{Class, Coordinates, Layout, LayoutRequest, Packing, arrange};
 use crate::mesh::{CanvasMesh, Polygons, build};
 
 /// A sheet of `side` by `side` squares around the origin. `starts`: by square, which corner comes first and whether it
@@ -81,7 +81,7 @@ impl Sheet {
     }
 
     fn packed(&self, shares: bool) -> Packed {
-        pack(&[self.painted()], PackOptions { shares, max_side: 4096 }).unwrap()
+        pack(&[self.painted()], PackOptions { shares, max_side: 4096, packing: Packing::Tight }).unwrap()
     }
 
     fn painted(&self) -> Painted<'_> {
@@ -235,12 +235,15 @@ fn parts_fit_and_lose_nothing() {
     let whole = faces.packed(true);
     assert_eq!(whole.pages.len(), 1);
     for max_side in [70, 100, 130] {
-        let packed = pack(&[faces.painted()], PackOptions { shares: true, max_side }).unwrap();
+        let packed =
+            pack(&[faces.painted()], PackOptions { shares: true, max_side, packing: Packing::Tight })
+                .unwrap();
         assert!(packed.pages.iter().all(|page| page.sizes[0].iter().all(|&side| side <= max_side)));
         assert!(packed.pages.len() > 1 && packed.pages.len() <= 19, "{}", packed.pages.len());
         is_unchanged(&[&faces], &packed).unwrap();
     }
-    let error = pack(&[faces.painted()], PackOptions { shares: true, max_side: 16 }).unwrap_err();
+    let error = pack(&[faces.painted()], PackOptions { shares: true, max_side: 16, packing: Packing::Tight })
+        .unwrap_err();
     assert_eq!((error.code, error.limit), (ErrorCode::TextureTooLarge, Some(16)));
 }
 
@@ -249,8 +252,11 @@ fn parts_fit_and_lose_nothing() {
 fn materials_stand_together() {
     let fine = Sheet::new(sheet(3, &[(1, false)], 4), vec![[3, 3]; 13], noise);
     let coarse = Sheet::new(sheet(2, &[(2, true)], 1), vec![[1, 1]; 5], noise);
-    let packed =
-        pack(&[fine.painted(), coarse.painted()], PackOptions { shares: true, max_side: 4096 }).unwrap();
+    let packed = pack(
+        &[fine.painted(), coarse.painted()],
+        PackOptions { shares: true, max_side: 4096, packing: Packing::Tight },
+    )
+    .unwrap();
     assert_ne!(fine.levels.len(), coarse.levels.len());
     assert_eq!((packed.pages.len(), packed.pages[0].sizes.len()), (1, fine.levels.len()));
     is_unchanged(&[&fine, &coarse], &packed).unwrap();

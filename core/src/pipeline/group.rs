@@ -55,7 +55,12 @@ pub fn groups(
         let packed = (options.coordinates == Coordinates::Indexed)
             .then(|| {
                 let painted: Vec<_> = members.iter().map(|&member| painted(&conversions[member])).collect();
-                pack(&painted, PackOptions { shares: options.shares, max_side: options.max_side })
+                let pack_options = PackOptions {
+                    shares: options.shares,
+                    max_side: options.max_side,
+                    packing: options.packing,
+                };
+                pack(&painted, pack_options)
             })
             .transpose()?;
         let part_count =

@@ -18,7 +18,7 @@ mod tests;
 mod together;
 
 pub use crate::assign::{Range, Rounding};
-pub use crate::layout::Coordinates;
+pub use crate::layout::{Coordinates, Packing};
 pub use crate::measure::Focus;
 pub use crate::mip::{Beyond, MipFilter};
 pub use crate::resample::{Resolution, Sampling};

@@ -12,15 +12,15 @@ use serde_json::{Map, Value};
 
 use crate::assign::{Range, Rounding};
 use crate::error::{Error, ErrorCode, Result};
-use crate::layout::Coordinates;
+use crate::layout::{Coordinates, Packing};
 use crate::mip::{Beyond, MipFilter};
 use crate::resample::{Resolution, Sampling};
 use crate::solve::Solver;
 use crate::write::textures::{BlockFormat, TextureFormat};
 
 use table::{
-    BEYONDS, BLOCKS, COORDINATES, MAX_SIDE_LEAST, MAX_SIDE_MOST, MIP_FILTERS, QUALITIES, RANGES, ROUNDINGS,
-    SAMPLINGS, SOLVERS, SWITCH, TEXELS_MAX, TEXTURES,
+    BEYONDS, BLOCKS, COORDINATES, MAX_SIDE_LEAST, MAX_SIDE_MOST, MIP_FILTERS, PACKINGS, QUALITIES, RANGES,
+    ROUNDINGS, SAMPLINGS, SOLVERS, SWITCH, TEXELS_MAX, TEXTURES,
 };
 pub use table::{OPTIONS, OptionSpec};
 use text::{NONE, in_range, list, name_of, named, optional, parse_list};
@@ -41,6 +41,8 @@ pub struct Options {
     pub range: Range,
     pub rounding: Rounding,
     pub coordinates: Coordinates,
+    /// Of indexed coordinates.
+    pub packing: Packing,
     /// Whether faces that store the same use one block.
     pub shares: bool,
     /// Whether materials that have the same kinds of channels get one layout.
@@ -84,6 +86,7 @@ impl Options {
             range: Range::Float16,
             rounding: Rounding::Rules,
             coordinates: Coordinates::Indexed,
+            packing: Packing::Tight,
             shares: true,
             merges: false,
             max_side: 8192,
@@ -93,7 +96,8 @@ impl Options {
         };
         match quality {
             Quality::Draft => {
-                Self { resolution: Resolution::Area(0.25), mip: MipFilter::Uniform, ..standard }
+                let resolution = Resolution::Area(0.25);
+                Self { resolution, mip: MipFilter::Uniform, packing: Packing::Quick, ..standard }
             }
             Quality::Standard => standard,
             Quality::Exact => Self { sampling: Sampling::Fitted, ..standard },
@@ -140,6 +144,7 @@ impl Options {
             "range" => self.range = named(RANGES, value).ok_or_else(refuse)?,
             "rounding" => self.rounding = named(ROUNDINGS, value).ok_or_else(refuse)?,
             "coordinates" => self.coordinates = named(COORDINATES, value).ok_or_else(refuse)?,
+            "packing" => self.packing = named(PACKINGS, value).ok_or_else(refuse)?,
             "no-share" => self.shares = !named(SWITCH, value).ok_or_else(refuse)?,
             "merge" => self.merges = named(SWITCH, value).ok_or_else(refuse)?,
             "max-size" => {
@@ -222,6 +227,7 @@ impl Options {
             name_of(RANGES, self.range).into(),
             name_of(ROUNDINGS, self.rounding).into(),
             name_of(COORDINATES, self.coordinates).into(),
+            name_of(PACKINGS, self.packing).into(),
             (!self.shares).into(),
             self.merges.into(),
             self.max_side.into(),

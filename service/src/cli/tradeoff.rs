@@ -21,7 +21,7 @@ use crate::{bundle, input, sample, work};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
-Runs the presets draft, standard and exact, and standard with each rung of each ladder in turn: 14 \
+Runs the presets draft, standard and exact, and standard with each rung of each ladder in turn: 15 \
 conversions, one more where rungs are named. Then 9 for the curve of texels against error: by area, and by budgets with \
 point and with fitted samples; these run once. Writes tradeoff.json, tradeoff.md, tradeoff.svg and .png, curve.svg and .png. \
 --cut holds for all runs, and so does --resolution where it is not the preset's. A rung that cannot be had on the model is a \

@@ -125,7 +125,7 @@ pub const SWITCHES: [SwitchSpec; 2] = [
         name: "tradeoff",
         default: false,
         doc: "Whether to convert by every rung of every ladder too, and by budgets of texels, and add `tradeoff/` with tables \
-              and pictures of error against time and against texels. That is 23 conversions more: send it as a job.",
+              and pictures of error against time and against texels. That is 24 conversions more: send it as a job.",
         field: |options| &mut options.tradeoff,
     },
 ];

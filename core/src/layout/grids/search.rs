@@ -2,7 +2,7 @@
 //! work for a level lasts. Whatever is drawn is drawn from one seed.
 
 use super::skyline::{Group, Piece, Plan, Put, Skyline, Taste};
-use super::{ClassGrid, Level};
+use super::{ClassGrid, Level, Packing};
 
 /// Widths that are tried at first, as shares of a square's side: the first, the last, and how many.
 const WIDTHS: ([f64; 2], u32) = ([0.5, 1.6], 48);
@@ -10,6 +10,7 @@ const WIDTHS: ([f64; 2], u32) = ([0.5, 1.6], 48);
 const WIDTH_STRIDE: u32 = 29;
 /// Grids that are looked at for a level: at most, and for each pair of groups.
 const WORK_MAX: u64 = 2_000_000;
+const WORK_MAX_QUICK: u64 = 200_000;
 const WORK_OF_PAIR: u64 = 8_000;
 /// The search ends where no more than one texel in so many is empty, and no more than one in so many is not read (empty, or
 /// spare in a block); after that work where the second holds; after that work so many times in any case. Where spare ones alone
@@ -31,26 +32,39 @@ const TASTE: Taste = Taste { lost: 1.0, over: 6.0, full_width: 0.1, as_high: [0.
 /// Weights that are tried, as shares of these.
 const WEIGHTS: [f32; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 
+/// When a search ends, and what it keeps to.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal {
+    /// Of the blocks' texels those that nobody reads.
+    pub spare: u64,
+    /// The texels of another way to set the level out, if there is one; where that is good enough the search ends as early as if
+    /// it had found it.
+    pub known: Option<u64>,
+    pub side_limit: u32,
+    pub packing: Packing,
+}
+
 /// The grids of a level with the least texels that were found within the limit.
-/// `spare`: of the blocks' texels those that nobody reads. `known`: the texels of another way to set the level out, if there is one;
-/// where that is good enough the search ends as early as if it had found it.
-pub fn search(pieces: &[Piece], spare: u64, known: Option<u64>, side_limit: u32) -> Option<Level> {
+pub fn search(pieces: &[Piece], goal: Goal) -> Option<Level> {
     let texels: u64 = pieces.iter().map(Piece::texels).sum();
     let widest = pieces.iter().map(|piece| piece.footprint[0]).max()?;
     let side = (texels as f64).sqrt();
-    let [low, high] = WIDTHS.0.map(|share| ((side * share) as u32).clamp(widest, side_limit.max(widest)));
+    let [low, high] =
+        WIDTHS.0.map(|share| ((side * share) as u32).clamp(widest, goal.side_limit.max(widest)));
     let joined = groups(pieces);
     let pair_count = (joined.len() * joined.len()) as u64;
     let mut search = Search {
         pieces,
         texels,
-        spare,
-        known,
+        goal,
         widths: [low, high],
-        side_limit,
         random: Random(7),
         skyline: Skyline::default(),
-        work_max: WORK_MAX.min(pair_count * WORK_OF_PAIR),
+        work_max: match goal.packing {
+            Packing::Quick => WORK_MAX_QUICK,
+            Packing::Tight => WORK_MAX,
+        }
+        .min(pair_count * WORK_OF_PAIR),
         best: None,
     };
     let kept = search.first_plans(joined);
@@ -94,13 +108,9 @@ struct Search<'a> {
     pieces: &'a [Piece],
     /// Of all blocks.
     texels: u64,
-    /// Of these, those that nobody reads.
-    spare: u64,
-    /// Texels of another way to set the level out.
-    known: Option<u64>,
+    goal: Goal,
     /// The least and the most.
     widths: [u32; 2],
-    side_limit: u32,
     random: Random,
     skyline: Skyline,
     work_max: u64,
@@ -112,7 +122,7 @@ impl Search<'_> {
     fn attempt(&mut self, plan: &mut Plan, texels_max: u64) -> Option<u64> {
         let width = u64::from(plan.width);
         plan.goal = (self.texels.div_ceil(width) as f32 * (1.0 + plan.spare)) as u32;
-        let height_max = (texels_max / width).min(self.side_limit.into()) as u32;
+        let height_max = (texels_max / width).min(self.goal.side_limit.into()) as u32;
         let height = self.skyline.fill(plan, height_max)?;
         let texels = width * u64::from(height);
         let size = [plan.width, height];
@@ -171,14 +181,14 @@ impl Search<'_> {
 
     fn is_done(&self) -> bool {
         let least = self.texels / EMPTY_PART_LEAST;
-        let late = (self.texels / UNREAD_PART).saturating_sub(self.spare).max(least);
+        let late = (self.texels / UNREAD_PART).saturating_sub(self.goal.spare).max(least);
         let empty_max = match self.skyline.work / self.work_max {
             0 => late.min(self.texels / EMPTY_PART),
-            1..LATE_COUNT => late,
+            1..LATE_COUNT if self.goal.packing == Packing::Tight => late,
             _ => return true,
         };
         let best = self.best.as_ref().map(|best| product(best.size));
-        best.into_iter().chain(self.known).min().is_none_or(|best| best <= self.texels + empty_max)
+        best.into_iter().chain(self.goal.known).min().is_none_or(|best| best <= self.texels + empty_max)
     }
 
     fn change_once(&mut self, plan: &mut Plan) {

@@ -3,7 +3,7 @@ use std::collections::HashSet;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 
-use super::{Class, Page, parted};
+use super::{Class, Packing, Page, parted};
 
 fn class(cells: [u32; 2], exponents: [u8; 2], lone_count: u8, block_count: u32) -> Class {
     Class { cells, exponents, lone_count, block_count }
@@ -104,7 +104,7 @@ fn little_is_left_unread() {
         assert!(unread * 1000 <= all * permille, "{unread} of {all}")
     };
     for (classes, at_worst) in [(fox(), 23), (coarse(), 22), (uniform(), 20)] {
-        let by_level = unread(&Page::new(parted(&classes), 9, 4096));
+        let by_level = unread(&Page::new(parted(&classes), 9, 4096, Packing::Tight));
         by_level.iter().for_each(|&level| most(at_worst, level));
         most(20, by_level.iter().fold([0; 2], |sum, level| [0, 1].map(|k| sum[k] + level[k])));
     }
@@ -114,7 +114,7 @@ fn little_is_left_unread() {
 #[test]
 fn parts_leave_less_empty() {
     let all = |classes: &[Class]| -> u64 {
-        unread(&Page::new(classes.to_vec(), 9, 4096)).iter().map(|level| level[0]).sum()
+        unread(&Page::new(classes.to_vec(), 9, 4096, Packing::Tight)).iter().map(|level| level[0]).sum()
     };
     assert!(2 * all(&parted(&uniform())) < all(&uniform()));
 }
@@ -138,7 +138,7 @@ fn blocks_of_two_shrink_with_their_triangles() {
 fn threads_change_nothing() {
     let page = |count: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
-        pool.install(|| Page::new(fox(), 6, 4096))
+        pool.install(|| Page::new(fox(), 6, 4096, Packing::Tight))
     };
     let (one, three) = (page(1), page(3));
     assert_eq!((one.sizes, one.grids), (three.sizes, three.grids));
@@ -149,15 +149,15 @@ fn threads_change_nothing() {
 fn a_limit_is_kept_to() {
     let classes = vec![class([1, 1], [5, 5], 0, 62), class([1, 1], [2, 2], 0, 10)];
     assert!(Page::fits(&classes, 272));
-    let page = Page::new(classes.clone(), 3, 272);
+    let page = Page::new(classes.clone(), 3, 272, Packing::Tight);
     assert!(page.sizes[0].into_iter().all(|side| side <= 272), "{:?}", page.sizes);
     assert!(!Page::fits(&classes, 200));
-    assert!(Page::new(classes, 3, 200).sizes[0].into_iter().any(|side| side > 200));
+    assert!(Page::new(classes, 3, 200, Packing::Tight).sizes[0].into_iter().any(|side| side > 200));
 }
 
 #[test]
 fn nothing_takes_next_to_nothing() {
-    assert_eq!(Page::new(Vec::new(), 2, 64).sizes, [[1, 1]; 2]);
+    assert_eq!(Page::new(Vec::new(), 2, 64, Packing::Tight).sizes, [[1, 1]; 2]);
 }
 
 fn classes() -> impl Strategy<Value = Vec<Class>> {
@@ -201,8 +201,9 @@ proptest! {
     /// Every block has texels of its own inside the image, whatever the classes.
     #[test]
     fn blocks_of_a_page_never_meet(classes in classes(), is_parted in any::<bool>()) {
-        let classes = if is_parted { parted(&classes) } else { classes };
-        let page = Page::new(classes, 8, 4096);
+        let (classes, packing) =
+            if is_parted { (parted(&classes), Packing::Tight) } else { (classes, Packing::Quick) };
+        let page = Page::new(classes, 8, 4096, packing);
         for level in 0..8 {
             let count: u64 = page.classes.iter().map(|class| {
                 class.footprint(level).into_iter().map(u64::from).product::<u64>() * u64::from(class.block_count)

@@ -1,7 +1,7 @@
 //! Every option as interfaces show it, and the names that options take.
 
 use crate::assign::{Range, Rounding};
-use crate::layout::Coordinates;
+use crate::layout::{Coordinates, Packing};
 use crate::mip::{Beyond, MipFilter};
 use crate::resample::Sampling;
 use crate::solve::Solver;
@@ -36,6 +36,7 @@ pub const TEXELS_MAX: u64 = 1 << 32;
 pub const ROUNDINGS: &[(&str, Rounding)] = &[("nearest", Rounding::Nearest), ("rules", Rounding::Rules)];
 pub const COORDINATES: &[(&str, Coordinates)] =
     &[("4d-rows", Coordinates::ScaledInRows), ("4d", Coordinates::Scaled), ("indexed", Coordinates::Indexed)];
+pub const PACKINGS: &[(&str, Packing)] = &[("quick", Packing::Quick), ("tight", Packing::Tight)];
 pub const TEXTURES: &[(&str, TextureFormat)] =
     &[("png", TextureFormat::Png), ("ktx2", TextureFormat::Ktx2), ("exr", TextureFormat::Exr)];
 pub const BLOCKS: &[(&str, BlockFormat)] = &[
@@ -169,6 +170,15 @@ pub const OPTIONS: &[OptionSpec] = &[
         rungs: &names::<_, 3>(COORDINATES),
         allowed: "4d-rows (the paper's: squares in rows), 4d (rectangles in shelves), indexed",
         doc: "How a viewer finds texels: u_s / 2^level + u_delta, or by the number of a face's block and a table of levels, which needs fewer texels and no change of colors at coarse levels",
+    },
+    OptionSpec {
+        name: "packing",
+        value_name: "RUNG",
+        default: "tight",
+        follows_quality: true,
+        rungs: &names::<_, 2>(PACKINGS),
+        allowed: "quick, tight",
+        doc: "How long a way to set out the levels is looked for that leaves next to nothing empty (with indexed coordinates)",
     },
     OptionSpec {
         name: "no-share",

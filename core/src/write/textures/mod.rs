@@ -80,8 +80,7 @@ impl<'a> Level<'a> {
         self.image.value(x, y, self.transfer, self.range)
     }
 
-    /// The value of every texel, row by row. A list of vectors and no iterator of arrays: rustc 1.95 lets a
-    /// vector be returned into an array that an iterator holds, which is aligned to 4 bytes and not to 16.
+    /// The value of every texel, row by row.
     fn values(&self) -> Vec<Vec4> {
         let rows = 0..self.image.height;
         rows.flat_map(|y| (0..self.image.width).map(move |x| (x, y))).map(|at| self.value(at)).collect()
