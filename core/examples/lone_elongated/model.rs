@@ -4,15 +4,13 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;
 
-use glam::Vec3;
 use meshcolor::asset::Asset;
 use meshcolor::colors::{Cuts, Resolutions, Shape};
 use meshcolor::layout::{Coordinates, block_texels};
-use meshcolor::mesh::{CanvasEdge, CanvasFace, CanvasMesh, Drawn, Polygons, Side, build, merge};
-use meshcolor::pipeline::Options;
+use meshcolor::mesh::{CanvasFace, CanvasMesh};
+use meshcolor::pipeline::{Options, Prepared, prepare};
 use meshcolor::read::{Limits, MemoryFiles, Upload, read};
-use meshcolor::resample::{find_cuts, pair_triangles, wanted_exponents};
-use meshcolor::source::tangents::corner_normals;
+use meshcolor::resample::wanted_exponents;
 use meshcolor::source::{SourceChannel, SurfaceSource, channels};
 use meshcolor::watch::Unwatched;
 
@@ -67,25 +65,12 @@ impl<'a> Surface<'a> {
         channels: &'a [SourceChannel<'a>],
     ) -> Result<Option<Self>, Box<dyn Error>> {
         let options = Options::default();
-        let canvas = canvas_of(asset, material);
-        if canvas.faces.is_empty() || channels.is_empty() {
+        let Some(prepared) = prepare(asset, material, channels, &options, &Unwatched)? else {
             return Ok(None);
-        }
-        let sources: Vec<_> =
-            channels.iter().map(|channel| SurfaceSource::new(channel, asset, &canvas)).collect();
-        let cuts: Vec<Cuts> = (sources.iter())
-            .map(|source| find_cuts(source, &canvas, options.cut_codes, &Unwatched))
-            .collect::<Result<_, _>>()?;
-        let has_normals = channels.iter().any(SourceChannel::is_normal);
-        let may_join = joinable(asset, &canvas, &cuts, has_normals);
-        let merged = merge(&canvas, &pair_triangles(&canvas, &sources, &may_join));
-        let sources: Vec<_> = sources.iter().map(|source| source.merged(&merged)).collect();
-        let kept = |cuts: &Cuts| merged.old_edges.iter().map(|&edge| cuts.edges[edge as usize]).collect();
-        let cuts: Vec<Cuts> = cuts.iter().map(|cuts| Cuts { edges: kept(cuts) }).collect();
-        let may_join = joinable(asset, &merged.canvas, &cuts, has_normals);
-        let canvas = merged.canvas;
+        };
+        let Prepared { canvas, sources, cuts, joinable, .. } = prepared;
         let wanted = wanted_exponents(options.resolution, true, asset, &canvas, &sources);
-        let exponents = wanted.agreeing(&canvas, &may_join);
+        let exponents = wanted.agreeing(&canvas, &joinable);
         Ok(Some(Self { canvas, sources, cuts, exponents }))
     }
 
@@ -142,47 +127,6 @@ impl<'a> Surface<'a> {
         let one_exponent = self.exponents.faces[face][0];
         Some(Elongated { face, corners, one_exponent, two_exponents, is_bound: bound(diagonal) })
     }
-}
-
-fn canvas_of(asset: &Asset, material: usize) -> CanvasMesh {
-    let primitives = asset.meshes.iter().zip(0u32..).flat_map(|(mesh, mesh_number)| {
-        mesh.primitives.iter().zip(0u32..).map(move |(primitive, number)| (mesh_number, number, primitive))
-    });
-    let mut faces: Vec<_> = primitives
-        .filter(|(_, _, primitive)| primitive.material == Some(material))
-        .map(|(mesh, number, primitive)| {
-            let faces = primitive.faces.iter().map(|face| (face.corners, face.count));
-            (mesh, number, &primitive.positions, faces)
-        })
-        .collect();
-    build(faces.iter_mut().map(|(mesh, primitive, positions, faces)| Polygons {
-        mesh: *mesh,
-        primitive: *primitive,
-        positions,
-        faces,
-    }))
-}
-
-/// Edges that no channel cuts, both sides with the same normals where there is a normal map.
-fn joinable(asset: &Asset, canvas: &CanvasMesh, cuts: &[Cuts], has_normals: bool) -> Vec<bool> {
-    let normals = |face: &CanvasFace| -> [Vec3; 4] {
-        let of_drawn = |drawn: &Drawn| {
-            let primitive = &asset.meshes[face.mesh as usize].primitives[drawn.primitive as usize];
-            let normals = corner_normals(primitive, &primitive.faces[drawn.face as usize]);
-            drawn.corners.map(|corner| normals[usize::from(corner)])
-        };
-        let [[a, b, c], [_, _, d]] = face.drawn.each_ref().map(of_drawn);
-        [a, b, c, d]
-    };
-    let one = |(number, edge): (usize, &CanvasEdge)| {
-        let &[a, b] = canvas.sides(edge) else { return false };
-        let normal = |side: Side, end: usize| {
-            normals(&canvas.faces[side.face as usize])[canvas.corner_at_end(side, end)]
-        };
-        let same_normals = || (0..2).all(|end| normal(a, end) == normal(b, end));
-        !cuts.iter().any(|cuts| cuts.edges[number]) && (!has_normals || same_normals())
-    };
-    canvas.edges.iter().enumerate().map(one).collect()
 }
 
 /// By material of an asset.

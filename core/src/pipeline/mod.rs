@@ -25,6 +25,7 @@ pub use crate::resample::{Resolution, Sampling};
 pub use crate::solve::Solver;
 pub use crate::write::textures::{BlockFormat, TextureFormat};
 pub use options::{OPTIONS, OptionSpec, Options, Quality};
+pub use prepare::{Prepared, prepare};
 
 use crate::asset::Asset;
 use crate::error::{Error, ErrorCode, Result};
@@ -39,7 +40,6 @@ use arrange::arrange_all;
 use assemble::assemble;
 use group::{groups, sets};
 use material::{MaterialConversion, convert_material};
-use prepare::prepare;
 use progress::Progress;
 
 /// Shares of the whole journey; writing has the rest.

@@ -27,6 +27,9 @@ pub struct Prepared<'a> {
 }
 
 /// `None` where the material has no texture or no face.
+///
+/// # Errors
+/// `Canceled`.
 pub fn prepare<'a>(
     asset: &'a Asset,
     material: usize,
