@@ -1,30 +1,55 @@
 //! Which blocks there are, before they have places.
 
-use super::{Block, BlockKind, LONE_EXPONENT_MAX, LayoutRequest, Place, Placement, TWIN_SHIFT};
+use super::{Block, BlockKind, Coordinates, LayoutRequest, Place, Placement, TWIN_SHIFT};
 
-/// Quads, and lone triangles of one exponent two by two in face order, but where they do better alone.
-pub(super) fn blocks(request: &LayoutRequest<'_>, place: Place) -> Vec<Block> {
-    let block = |kind, [r, s]: [u8; 2]| Block { kind, exponents: [r.max(s), r.min(s)], place };
-    let mut blocks = Vec::new();
-    let mut waiting: [Option<u32>; 32] = [None; 32];
-    for (face, canvas_face) in (0u32..).zip(&request.canvas.faces) {
-        let exponents = request.resolutions.faces[face as usize];
-        if !canvas_face.is_triangle() {
-            blocks.push(block(BlockKind::Quad(face), exponents));
-            continue;
+/// Lone triangles on their way into blocks: those of one exponent two by two, but where they do better alone.
+pub struct LoneTriangles {
+    coordinates: Coordinates,
+    /// By exponent.
+    waiting: [Option<u32>; 32],
+}
+
+impl LoneTriangles {
+    pub fn new(coordinates: Coordinates) -> Self {
+        Self { coordinates, waiting: [None; 32] }
+    }
+
+    /// The block that a triangle completes: its own, or that of one that has waited for it.
+    pub fn add(&mut self, face: u32, exponent: u8) -> Option<BlockKind> {
+        if self.coordinates.leaves_alone(exponent) {
+            return Some(BlockKind::Lone(face));
         }
-        if matches!(place, Place::Indexed { .. }) && exponents[0] <= LONE_EXPONENT_MAX {
-            blocks.push(block(BlockKind::Lone(face), exponents));
-            continue;
-        }
-        let waiting = &mut waiting[usize::from(exponents[0])];
+        let waiting = &mut self.waiting[usize::from(exponent)];
         match waiting.take() {
-            Some(first) => blocks.push(block(BlockKind::Twins([first, face]), exponents)),
-            None => *waiting = Some(face),
+            Some(first) => Some(BlockKind::Twins([first, face])),
+            None => {
+                *waiting = Some(face);
+                None
+            }
         }
     }
-    let left = (0u8..).zip(waiting).filter_map(|(exponent, face)| face.map(|face| (exponent, face)));
-    blocks.extend(left.map(|(exponent, face)| block(BlockKind::Lone(face), [exponent; 2])));
+
+    /// Blocks of those that still wait, and their exponents.
+    pub fn left(self) -> impl Iterator<Item = (BlockKind, u8)> {
+        let all = self.waiting.into_iter().zip(0u8..);
+        all.filter_map(|(face, exponent)| Some((BlockKind::Lone(face?), exponent)))
+    }
+}
+
+/// Quads, and lone triangles.
+pub(super) fn blocks(request: &LayoutRequest<'_>, place: Place) -> Vec<Block> {
+    let block = |kind, [r, s]: [u8; 2]| Block { kind, exponents: [r.max(s), r.min(s)], place };
+    let mut lone = LoneTriangles::new(request.coordinates);
+    let mut blocks = Vec::new();
+    for (face, canvas_face) in (0u32..).zip(&request.canvas.faces) {
+        let exponents = request.resolutions.faces[face as usize];
+        let kind = match canvas_face.is_triangle() {
+            true => lone.add(face, exponents[0]),
+            false => Some(BlockKind::Quad(face)),
+        };
+        blocks.extend(kind.map(|kind| block(kind, exponents)));
+    }
+    blocks.extend(lone.left().map(|(kind, exponent)| block(kind, [exponent; 2])));
     blocks
 }
 

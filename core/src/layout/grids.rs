@@ -22,7 +22,7 @@ use super::blocks::{blocks, placements};
 use super::{Block, Class, Layout, LayoutRequest, Place, too_large, twin_shift};
 use crate::error::Result;
 use level_set::LevelSet;
-pub use parts::parted;
+pub use parts::{CLASS_COUNT_MAX, parted};
 use search::{Goal, search};
 use skyline::Piece;
 
@@ -58,9 +58,19 @@ impl Class {
         [self.cells[0] * n + extra + 1, self.cells[1] * m + 1]
     }
 
+    /// Texels of a block at a level.
+    pub fn texels(&self, level: usize) -> u64 {
+        self.footprint(level).into_iter().map(u64::from).product()
+    }
+
     /// Whether its blocks have two lone triangles.
     pub fn has_two(&self) -> bool {
         self.lone_count == 2
+    }
+
+    /// How many classes of the table it is: two where its blocks have two triangles.
+    pub fn entry_count(&self) -> usize {
+        if self.has_two() { 2 } else { 1 }
     }
 
     /// Texels of a block at a level that nobody reads: what lone triangles with their border texels leave of it.

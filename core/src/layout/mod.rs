@@ -17,7 +17,8 @@ mod split;
 #[cfg(test)]
 mod tests;
 
-pub use grids::{ClassGrid, Packing, Page, parted};
+pub use blocks::LoneTriangles;
+pub use grids::{CLASS_COUNT_MAX, ClassGrid, Packing, Page, parted};
 pub use split::split;
 
 use std::ops::Range;
@@ -34,9 +35,8 @@ pub const SEPARATION: u32 = 2;
 /// Shift of the second lone triangle of a block, in texels: with 4D coordinates of every level, with indexed ones as far as
 /// [`twin_shift`] does not say less.
 pub const TWIN_SHIFT: u32 = 3;
-/// With indexed coordinates, lone triangles of up to this exponent have a block each, of `(n + 1)²` texels: at every level no
-/// more than half of what two take. (For larger ones it is more at level 0.)
-pub const LONE_EXPONENT_MAX: u8 = 1;
+/// See [`Coordinates::leaves_alone`].
+const LONE_EXPONENT_MAX: u8 = 1;
 /// Larger textures than any device takes, and samples are numbered in 32 bits, three to a normal.
 const SIDE_MAX: u32 = 32_768;
 
@@ -61,6 +61,12 @@ impl Coordinates {
     /// Whether quads get an exponent along each axis.
     pub fn are_elongated(self) -> bool {
         self != Self::ScaledInRows
+    }
+
+    /// Whether each lone triangle of an exponent has a block of its own, of `(n + 1)²` texels: with indexed coordinates, where
+    /// that is at every level no more than half of what two take. (For larger exponents it is more at level 0.)
+    pub fn leaves_alone(self, exponent: u8) -> bool {
+        self == Self::Indexed && exponent <= LONE_EXPONENT_MAX
     }
 }
 
@@ -172,7 +178,7 @@ pub fn block_texels(coordinates: Coordinates, shape: Shape) -> f64 {
         Coordinates::Indexed => 1,
     };
     let [n, m] = shape.segments.map(|segments| f64::from(segments + spare));
-    let is_alone = coordinates == Coordinates::Indexed && shape.segments[0] <= 1 << LONE_EXPONENT_MAX;
+    let is_alone = coordinates.leaves_alone(shape.segments[0].ilog2() as u8);
     if shape.is_triangle && !is_alone { 0.5 * (n + f64::from(TWIN_SHIFT)) * m } else { n * m }
 }
 
@@ -242,7 +248,7 @@ impl BlockKind {
     }
 
     /// As [`Class::lone_count`].
-    fn lone_count(self) -> u8 {
+    pub fn lone_count(self) -> u8 {
         match self {
             BlockKind::Quad(_) => 0,
             BlockKind::Lone(_) => 1,

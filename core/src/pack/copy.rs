@@ -41,7 +41,8 @@ impl Packed {
         for piece in &self.pieces[part] {
             let channel = &materials[piece.material];
             let (old_level, image) = channel.level(level);
-            let from = FaceTexels::of_face(channel.layout, piece.face as usize, old_level).turned(piece.turn);
+            let from = FaceTexels::of_face(channel.layout, piece.pose.face as usize, old_level)
+                .turned(piece.pose.turn);
             let texels = [from, self.texels(piece, level)];
             match (&image.pixels, &mut pixels) {
                 (Pixels::U8(from), Pixels::U8(to)) => copy(texels, components, from, to),

@@ -1,28 +1,40 @@
 //! Larger blocks: neighbors that store the same texels along their common edge stand side by side and store them once.
 //!
-//! Blocks of equal size join two by two, by a matching that saves as many texels as it can, and what came of it joins
-//! again. So a block has a power of two of faces along each side, and there are few classes.
+//! Which quads go together is looked for by ruin and recreate (Schrimpf et al. 2000): a grid of quads is drawn at random and
+//! cut out of the blocks that have them, what is left of those is in grids again, and each of all these joins neighbors
+//! while it can. If all that takes no more texels it stays, else all is as before.
 
-use std::collections::BTreeMap;
-
-use crate::math::matching::{WeightedEdge, maximum_weight_matching};
+use crate::math::random::Random;
 
 use super::Painted;
-use super::texels::{FaceTexels, are_equal};
+use super::neighbors::{Direction, Neighbors, Patch, Pose};
 use super::turn::Turn;
 
 /// Segments along a block's side at level 0 beyond which it does not grow.
 const SEGMENTS_MAX: u32 = 64;
+/// Faces that are looked at for each quad.
+const WORK_OF_QUAD: u64 = 400;
 
-/// Quads of one shape in a grid.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Patch {
-    /// Faces along each axis.
-    pub cells: [u32; 2],
-    /// Of each face as it lies in the patch, not the smaller one first.
-    pub exponents: [u8; 2],
-    /// Row by row.
-    pub faces: Vec<(u32, Turn)>,
+/// Grids of all quads that `counts`, each to be one block.
+pub fn patches(painted: &Painted<'_>, counts: impl Fn(usize) -> bool) -> Vec<Patch> {
+    let is_quad = |face: usize| !painted.canvas.faces[face].is_triangle() && counts(face);
+    let quads: Vec<u32> =
+        (0u32..).take(painted.face_count()).filter(|&face| is_quad(face as usize)).collect();
+    let mut seats = vec![Seat::default(); painted.face_count()];
+    for (patch, &face) in (0u32..).zip(&quads) {
+        seats[face as usize].patch = patch;
+    }
+    let mut joiner = Joiner {
+        neighbors: Neighbors::new(painted, is_quad),
+        patches: quads.iter().map(|&face| Patch::alone(face)).collect(),
+        seats,
+        random: Random(7),
+    };
+    let work_max = WORK_OF_QUAD * quads.len() as u64;
+    while joiner.neighbors.work < work_max {
+        joiner.attempt(&quads);
+    }
+    joiner.patches.into_iter().filter(|patch| !patch.faces.is_empty()).collect()
 }
 
 /// Where a face lies.
@@ -30,249 +42,164 @@ pub struct Patch {
 struct Seat {
     patch: u32,
     cell: [u32; 2],
-    turn: Turn,
-}
-
-/// A face's end of an edge along which two faces store the same: the other face, and which of its corners meet those of
-/// this one's edge `k`, the corner `k` first.
-#[derive(Clone, Copy, Debug)]
-struct Joint {
-    other: u32,
-    corners: [usize; 2],
 }
 
 struct Joiner<'a> {
-    painted: &'a Painted<'a>,
+    neighbors: Neighbors<'a>,
+    /// Such as are no more have no faces.
     patches: Vec<Patch>,
     /// By face.
     seats: Vec<Seat>,
-    /// By face and edge.
-    joints: Vec<[Option<Joint>; 4]>,
+    random: Random,
 }
 
-/// How a patch comes to lie beside another: turned, and then moved by so many faces.
-struct Fit {
-    other: u32,
-    turn: Turn,
-    offset: [i32; 2],
-    /// Texels at level 0 that are stored once more.
-    saved: i64,
-}
-
-/// The patches of all quads that `counts`.
-pub fn patches(painted: &Painted<'_>, counts: impl Fn(usize) -> bool) -> Vec<Patch> {
-    let layout = painted.layout;
-    let mut seats = vec![Seat::default(); layout.placements.len()];
-    let mut patches = Vec::new();
-    let is_quad = |face: usize| !painted.canvas.faces[face].is_triangle() && counts(face);
-    for face in (0..layout.placements.len()).filter(|&face| is_quad(face)) {
-        seats[face].patch = patches.len() as u32;
-        patches.push(Patch {
-            cells: [1, 1],
-            exponents: layout.block(face).exponents,
-            faces: vec![(face as u32, Turn::NONE)],
-        });
-    }
-    let joints = joints(painted, is_quad);
-    let mut joiner = Joiner { painted, patches, seats, joints };
-    while joiner.join() {}
-    joiner.patches
-}
-
-/// Edges along which two quads of one shape store the same texels.
-fn joints(painted: &Painted<'_>, is_quad: impl Fn(usize) -> bool) -> Vec<[Option<Joint>; 4]> {
-    let canvas = painted.canvas;
-    let mut joints = vec![[None; 4]; canvas.faces.len()];
-    for edge in &canvas.edges {
-        let &[a, b] = canvas.sides(edge) else { continue };
-        let faces = [a.face as usize, b.face as usize];
-        if faces[0] == faces[1] || !faces.iter().all(|&face| is_quad(face)) {
-            continue;
-        }
-        let ends = [a, b].map(|side| [0, 1].map(|end| canvas.corner_at_end(side, end)));
-        if !painted.is_alike(faces, ends) {
-            continue;
-        }
-        for [one, other] in [[0, 1], [1, 0]] {
-            let side = [a, b][one];
-            let k = usize::from(side.edge);
-            let mut corners = ends[other];
-            if ends[one][0] != k {
-                corners.reverse();
-            }
-            joints[faces[one]][k] = Some(Joint { other: faces[other] as u32, corners });
-        }
-    }
-    joints
-}
-
-impl Painted<'_> {
-    /// Whether two quads have equal segments along a common edge and across it, and store the same along it. `ends`: by
-    /// face its corners at both ends.
-    fn is_alike(&self, faces: [usize; 2], ends: [[usize; 2]; 2]) -> bool {
-        let places = [0, 1].map(|k| ends[k].map(|corner| self.unit(faces[k], corner)));
-        let exponents = [0, 1].map(|k| {
-            let along_x = places[k][0][1] == places[k][1][1];
-            let [r, s] = self.layout.block(faces[k]).exponents;
-            if along_x { [r, s] } else { [s, r] }
-        });
-        exponents[0] == exponents[1]
-            && self.images.iter().all(|levels| {
-                levels.iter().enumerate().all(|(level, image)| {
-                    let side = |k: usize| {
-                        let [from, to] = places[k];
-                        FaceTexels::of_face(self.layout, faces[k], level).side(from, to)
-                    };
-                    are_equal(image, side(0).zip(side(1)))
-                })
-            })
-    }
-
-    /// A face's corner on the unit square of its texels.
-    pub fn unit(&self, face: usize, corner: usize) -> [u32; 2] {
-        let placement = &self.layout.placements[face];
-        let unit = placement.corners[corner].map(u32::from);
-        // The second of two lone triangles lies upside down.
-        if placement.shift > 0 { unit.map(|at| 1 - at) } else { unit }
-    }
-}
+/// A patch that is no more, with its number.
+type Removed = (u32, Patch);
 
 impl Joiner<'_> {
-    /// Joins patches two by two; whether there were any.
-    fn join(&mut self) -> bool {
-        let mut fits: BTreeMap<[u32; 2], Fit> = BTreeMap::new();
-        for (face, joints) in self.joints.iter().enumerate() {
-            for (edge, joint) in
-                joints.iter().enumerate().filter_map(|(edge, joint)| Some((edge, joint.as_ref()?)))
-            {
-                let patches = [face, joint.other as usize].map(|face| self.seats[face].patch);
-                if patches[0] < patches[1] && !fits.contains_key(&patches) {
-                    fits.extend(self.fit(face, edge, joint).map(|fit| (patches, fit)));
-                }
-            }
-        }
-        let edges: Vec<WeightedEdge> =
-            fits.iter().map(|(&nodes, fit)| WeightedEdge { nodes, weight: fit.saved }).collect();
-        let partners = maximum_weight_matching(self.patches.len(), &edges);
-        if partners.iter().all(Option::is_none) {
-            return false;
-        }
-        let old = std::mem::take(&mut self.patches);
-        for ((number, patch), partner) in (0u32..).zip(&old).zip(partners) {
-            let fit = partner.and_then(|partner| Some((partner, fits.get(&[number, partner])?)));
-            match (fit, partner) {
-                (Some((partner, fit)), _) => self.patches.push(patch.beside(&old[partner as usize], fit)),
-                (None, None) => self.patches.push(patch.clone()),
-                // The lower of the two has taken it.
-                (None, Some(_)) => {}
-            }
-        }
-        self.sit();
-        true
-    }
-
-    /// Tells all faces where they lie now.
-    fn sit(&mut self) {
-        for (number, patch) in (0u32..).zip(&self.patches) {
-            for (cell, &(face, turn)) in patch.cells_in_order().zip(&patch.faces) {
-                self.seats[face as usize] = Seat { patch: number, cell, turn };
+    /// Draws a grid of quads and has it as a block, if that takes no more texels.
+    fn attempt(&mut self, quads: &[u32]) {
+        let face = quads[self.random.below(quads.len() as u32) as usize];
+        let corner = Pose { face, turn: Turn::numbered(self.random.below(Turn::COUNT)) };
+        let [run_max, rows_max] =
+            self.neighbors.exponents(corner).map(|exponent| (SEGMENTS_MAX >> exponent).max(1));
+        let run = self.neighbors.run(corner, run_max);
+        let width = 1 + self.random.below(run);
+        let rows_max = 1 + self.random.below(rows_max);
+        let patch = self.neighbors.grid(corner, width, rows_max);
+        let first_new = self.patches.len();
+        let Some(mut removed) = self.claim(patch) else { return };
+        self.join(first_new, &mut removed);
+        let was: u64 = removed
+            .iter()
+            .filter(|(number, _)| (*number as usize) < first_new)
+            .map(|(_, patch)| self.cost(patch))
+            .sum();
+        let is: u64 = self.patches[first_new..].iter().map(|patch| self.cost(patch)).sum();
+        if is > was {
+            self.patches.truncate(first_new);
+            for (number, patch) in removed.into_iter().filter(|(number, _)| (*number as usize) < first_new) {
+                self.seat(number, &patch);
+                self.patches[number as usize] = patch;
             }
         }
     }
 
-    /// A face's corner in its patch.
-    fn corner(&self, face: usize, corner: usize) -> [i32; 2] {
-        let seat = &self.seats[face];
-        let unit = seat.turn.point(self.painted.unit(face, corner), [1, 1]);
-        [0, 1].map(|k| (seat.cell[k] + unit[k]) as i32)
+    /// Texels at level 0 beyond those of one corner, two sides and the inside of each face, which it takes in any case.
+    fn cost(&self, patch: &Patch) -> u64 {
+        let Some(&first) = patch.faces.first() else { return 0 };
+        let exponents = self.neighbors.exponents(first);
+        (0..2).map(|k| u64::from(patch.cells[k]) << exponents[k]).sum::<u64>() + 1
     }
 
-    fn patch_of(&self, face: usize) -> &Patch {
-        &self.patches[self.seats[face].patch as usize]
+    fn add(&mut self, patch: Patch) {
+        let number = self.patches.len() as u32;
+        self.seat(number, &patch);
+        self.patches.push(patch);
     }
 
-    /// How the patch beyond a joint lies beside this face's, if both together are a rectangle that is not too large.
-    fn fit(&self, face: usize, edge: usize, joint: &Joint) -> Option<Fit> {
-        let (one, two) = (self.patch_of(face), self.patch_of(joint.other as usize));
-        let turns = Turn::all()
-            .filter(|turn| turn.pair(two.exponents) == one.exponents && turn.pair(two.cells) == one.cells);
-        turns.into_iter().find_map(|turn| {
-            let [offset, end_offset] = [0, 1].map(|end| {
-                let own = self.corner(face, (edge + end) % 4);
-                let other = turned(self.corner(joint.other as usize, joint.corners[end]), turn, two.cells);
-                [0, 1].map(|k| own[k] - other[k])
-            });
-            let axis = (0..2).find(|&axis| offset[axis].unsigned_abs() == one.cells[axis])?;
-            let across = 1 - axis;
-            let side = one.cells[across];
-            let other = self.seats[joint.other as usize].patch;
-            let fit = Fit { other, turn, offset, saved: i64::from(side << one.exponents[across]) + 1 };
-            let is_small = (2 * one.cells[axis]) << one.exponents[axis] <= SEGMENTS_MAX;
-            let is_rectangle = offset == end_offset && offset[across] == 0;
-            (is_small && is_rectangle && (0..side).all(|place| self.meets(one, axis, place, &fit)))
-                .then_some(fit)
-        })
-    }
-
-    /// Whether the face of a patch that is `place` faces along the side towards `axis` meets a face of the other patch
-    /// there, both ends being the same.
-    fn meets(&self, patch: &Patch, axis: usize, place: u32, fit: &Fit) -> bool {
-        let is_after = fit.offset[axis] > 0;
-        let mut cell = [place; 2];
-        cell[axis] = if is_after { patch.cells[axis] - 1 } else { 0 };
-        let border = if is_after { patch.cells[axis] as i32 } else { 0 };
-        let face = patch.faces[(cell[1] * patch.cells[0] + cell[0]) as usize].0 as usize;
-        let is_there = |corner: usize| self.corner(face, corner)[axis] == border;
-        let Some(edge) = (0..4).find(|&edge| is_there(edge) && is_there((edge + 1) % 4)) else {
-            return false;
-        };
-        let Some(joint) = &self.joints[face][edge] else { return false };
-        let other = self.patch_of(joint.other as usize);
-        let is_same = |end: usize| {
-            let at = turned(self.corner(joint.other as usize, joint.corners[end]), fit.turn, other.cells);
-            self.corner(face, (edge + end) % 4) == [0, 1].map(|k| at[k] + fit.offset[k])
-        };
-        self.seats[joint.other as usize].patch == fit.other && is_same(0) && is_same(1)
-    }
-}
-
-fn turned(at: [i32; 2], turn: Turn, size: [u32; 2]) -> [i32; 2] {
-    turn.point(at.map(|at| at as u32), size).map(|at| at as i32)
-}
-
-impl Patch {
-    fn cells_in_order(&self) -> impl Iterator<Item = [u32; 2]> {
-        let [width, height] = self.cells;
-        (0..height).flat_map(move |y| (0..width).map(move |x| [x, y]))
-    }
-
-    /// The same rectangle turned.
-    fn turned(&self, turn: Turn) -> Self {
-        let cells = turn.pair(self.cells);
-        let mut faces = vec![(0, Turn::NONE); self.faces.len()];
-        for (cell, &(face, own)) in self.cells_in_order().zip(&self.faces) {
-            let [x, y] = turn.point(cell, self.cells.map(|count| count - 1));
-            faces[(y * cells[0] + x) as usize] = (face, own.then(turn));
+    fn seat(&mut self, number: u32, patch: &Patch) {
+        for (cell, pose) in patch.cells_in_order().zip(&patch.faces) {
+            self.seats[pose.face as usize] = Seat { patch: number, cell };
         }
-        Self { cells, exponents: turn.pair(self.exponents), faces }
     }
 
-    /// This patch and another of its size as one; the longer sides along x.
-    fn beside(&self, other: &Self, fit: &Fit) -> Self {
-        let other = other.turned(fit.turn);
-        let axis = usize::from(fit.offset[0] == 0);
-        let (first, second) = if fit.offset[axis] > 0 { (self, &other) } else { (&other, self) };
-        let faces = if axis == 0 {
-            let width = self.cells[0] as usize;
-            let rows = first.faces.chunks(width).zip(second.faces.chunks(width));
-            rows.flat_map(|(one, two)| one.iter().chain(two)).copied().collect()
-        } else {
-            first.faces.iter().chain(&second.faces).copied().collect()
-        };
-        let mut cells = self.cells;
-        cells[axis] *= 2;
-        let both = Self { cells, exponents: self.exponents, faces };
-        let is_upright = (both.exponents[0], both.cells[0]) >= (both.exponents[1], both.cells[1]);
-        if is_upright { both } else { both.turned(Turn::SWAP) }
+    fn remove(&mut self, number: u32) -> Removed {
+        (number, std::mem::take(&mut self.patches[number as usize]))
+    }
+
+    /// Cuts a grid out of the patches that have its faces; none where it is one already, or takes a piece of one that is no
+    /// grid.
+    fn claim(&mut self, patch: Patch) -> Option<Vec<Removed>> {
+        let mut taken: Vec<Seat> = patch.faces.iter().map(|pose| self.seats[pose.face as usize]).collect();
+        taken.sort_unstable_by_key(|seat| (seat.patch, seat.cell));
+        let of_one = || taken.chunk_by(|a, b| a.patch == b.patch);
+        let is_there =
+            |seats: &[Seat]| self.patches[seats[0].patch as usize].faces.len() == patch.faces.len();
+        if of_one().take(2).count() == 1 && is_there(&taken) {
+            return None;
+        }
+        let mut left = Vec::new();
+        for seats in of_one() {
+            left.extend(self.without(seats)?);
+        }
+        let numbers: Vec<u32> = of_one().map(|seats| seats[0].patch).collect();
+        let removed = numbers.into_iter().map(|number| self.remove(number)).collect();
+        self.add(patch);
+        left.into_iter().for_each(|patch| self.add(patch));
+        Some(removed)
+    }
+
+    /// What is left of a patch, in up to four grids, without a grid in it.
+    fn without(&self, seats: &[Seat]) -> Option<Vec<Patch>> {
+        let patch = &self.patches[seats[0].patch as usize];
+        let along = |axis: usize| seats.iter().map(move |seat| seat.cell[axis]);
+        let [from_x, from_y] = [0, 1].map(|axis| along(axis).min().unwrap_or(0));
+        let [end_x, end_y] = [0, 1].map(|axis| along(axis).max().unwrap_or(0) + 1);
+        if (end_x - from_x) * (end_y - from_y) != seats.len() as u32 {
+            return None;
+        }
+        let [width, height] = patch.cells;
+        let in_rows = [
+            ([0, 0], [width, from_y]),
+            ([0, end_y], [width, height]),
+            ([0, from_y], [from_x, end_y]),
+            ([end_x, from_y], [width, end_y]),
+        ];
+        let in_columns = [
+            ([0, 0], [from_x, height]),
+            ([end_x, 0], [width, height]),
+            ([from_x, 0], [end_x, from_y]),
+            ([from_x, end_y], [end_x, height]),
+        ];
+        let ways = [in_rows, in_columns].map(|way| -> Vec<Patch> {
+            let parts = way.into_iter().filter(|(from, end)| from[0] < end[0] && from[1] < end[1]);
+            parts.map(|(from, end)| patch.part(from, end)).collect()
+        });
+        ways.into_iter().min_by_key(|way| way.iter().map(|patch| self.cost(patch)).sum::<u64>())
+    }
+
+    /// Joins patches from a number on with neighbors while there are any, first those that save most.
+    fn join(&mut self, first_new: usize, removed: &mut Vec<Removed>) {
+        let mut waiting: Vec<u32> = (first_new as u32..self.patches.len() as u32).collect();
+        while let Some(number) = waiting.pop() {
+            let unions = Direction::ALL.map(|direction| self.union(number, direction));
+            let saved = |union: &(u32, Patch)| {
+                let [one, other] = [number, union.0].map(|number| self.cost(&self.patches[number as usize]));
+                one + other - self.cost(&union.1)
+            };
+            if let Some((other, union)) = unions.into_iter().flatten().max_by_key(saved) {
+                removed.extend([number, other].map(|number| self.remove(number)));
+                waiting.push(self.patches.len() as u32);
+                self.add(union);
+            }
+        }
+    }
+
+    /// A patch and the one beside it, with its number, if both together are a grid that is not too large.
+    fn union(&mut self, number: u32, direction: Direction) -> Option<(u32, Patch)> {
+        let patch = &self.patches[number as usize];
+        let (Some(&first), Some(&last)) = (patch.faces.first(), patch.faces.last()) else { return None };
+        let pose = self.neighbors.step(if direction.is_up { last } else { first }, direction)?;
+        let seat = self.seats[pose.face as usize];
+        let other = &self.patches[seat.patch as usize];
+        // How the other patch lies beside this one: as its face there does.
+        let own = other.faces[(seat.cell[1] * other.cells[0] + seat.cell[0]) as usize].turn;
+        let is_swapped = own.is_swapped != pose.turn.is_swapped;
+        let other_cells = if is_swapped { [other.cells[1], other.cells[0]] } else { other.cells };
+        let Direction { axis, is_up } = direction;
+        let mut cells = patch.cells;
+        cells[axis] += other_cells[axis];
+        let is_small = cells[axis] << self.neighbors.exponents(first)[axis] <= SEGMENTS_MAX;
+        if seat.patch == number || other_cells[1 - axis] != cells[1 - axis] || !is_small {
+            return None;
+        }
+        let mut corner = first;
+        for _ in 0..if is_up { 0 } else { other_cells[axis] } {
+            corner = self.neighbors.step(corner, direction)?;
+        }
+        let union = self.neighbors.grid(corner, cells[0], cells[1]);
+        let is_of_both = |pose: &Pose| [number, seat.patch].contains(&self.seats[pose.face as usize].patch);
+        (union.cells == cells && union.faces.iter().all(is_of_both)).then_some((seat.patch, union))
     }
 }

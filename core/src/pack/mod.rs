@@ -6,8 +6,10 @@
 //!
 //! This needs blocks that have their corners on texel centers at every level, wherever they stand: indexed coordinates.
 
+mod classes;
 mod copy;
 mod join;
+mod neighbors;
 mod share;
 mod split;
 #[cfg(test)]
@@ -17,11 +19,13 @@ mod turn;
 
 use crate::error::Result;
 use crate::image::Image;
-use crate::layout::{Class, LONE_EXPONENT_MAX, Layout, Packing, Page, parted};
+use crate::layout::{BlockKind, Class, Coordinates, Layout, LoneTriangles, Packing, Page, parted};
 use crate::mesh::CanvasMesh;
 
+use classes::with_few_classes;
 pub use copy::Channel;
 use join::patches;
+use neighbors::{Patch, Pose};
 use share::{Twin, twins};
 use split::split;
 use turn::Turn;
@@ -83,8 +87,7 @@ pub struct Savings {
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     material: usize,
-    face: u32,
-    turn: Turn,
+    pose: Pose,
     part: u32,
     class: u32,
     number: u32,
@@ -92,11 +95,14 @@ struct Piece {
     is_second: bool,
 }
 
-/// Faces in one block: one, two lone triangles, or a grid of quads.
+/// Faces in one block: one, two lone triangles in one cell, or a grid of quads.
 struct Block {
     material: usize,
-    class: Class,
-    faces: Vec<(u32, Turn)>,
+    patch: Patch,
+    /// Of each of its faces as it lies.
+    exponents: [u8; 2],
+    /// As [`Class::lone_count`].
+    lone_count: u8,
 }
 
 /// Sets out anew what was painted of materials that have the same channels, all together.
@@ -109,8 +115,8 @@ pub fn pack(group: &[Painted<'_>], options: PackOptions) -> Result<Packed> {
         .map(|painted| if options.shares { twins(painted) } else { vec![None; painted.face_count()] })
         .collect();
     let each = group.iter().zip(&twins).enumerate();
-    let blocks: Vec<Block> =
-        each.flat_map(|(material, (painted, twins))| blocks(material, painted, twins)).collect();
+    let blocks = each.flat_map(|(material, (painted, twins))| blocks(material, painted, twins)).collect();
+    let blocks = with_few_classes(blocks);
     let mut packed = Packed {
         spots: group.iter().map(|painted| vec![Spot::default(); painted.face_count()]).collect(),
         savings: savings(group, &twins, &blocks),
@@ -118,7 +124,7 @@ pub fn pack(group: &[Painted<'_>], options: PackOptions) -> Result<Packed> {
     };
     for (part, mut blocks) in (0u32..).zip(split(blocks, options.max_side)?) {
         blocks.sort_by_key(Block::order);
-        let (classes, _) = Class::number(blocks.iter().map(|block| block.class));
+        let (classes, _) = Class::number(blocks.iter().map(Block::class));
         let classes = match options.packing {
             Packing::Quick => classes,
             Packing::Tight => parted(&classes),
@@ -137,52 +143,37 @@ pub fn pack(group: &[Painted<'_>], options: PackOptions) -> Result<Packed> {
 
 /// The blocks of all faces of a material that have texels of their own.
 fn blocks(material: usize, painted: &Painted<'_>, twins: &[Option<Twin>]) -> Vec<Block> {
-    let class = |cells, exponents, lone_count| Class { cells, exponents, lone_count, block_count: 0 };
-    let quads = patches(painted, |face| twins[face].is_none());
-    let mut blocks: Vec<Block> = quads
-        .into_iter()
-        .map(|patch| {
-            let class = class(patch.cells, patch.exponents, 0);
-            Block { material, class, faces: patch.faces }
-        })
-        .collect();
-    // Lone triangles of one exponent two by two, but where they do better alone.
-    let mut waiting: [Option<u32>; 32] = [None; 32];
-    let lone = |exponent: u8, faces: &[u32]| Block {
-        material,
-        class: class([1, 1], [exponent; 2], faces.len() as u8),
-        faces: faces.iter().map(|&face| (face, Turn::NONE)).collect(),
+    let block = |patch: Patch, lone_count| {
+        let exponents = painted.exponents(patch.faces[0]);
+        Block::new(material, patch, exponents, lone_count)
     };
-    let is_lone = |face: &usize| painted.canvas.faces[*face].is_triangle() && twins[*face].is_none();
-    for face in (0..twins.len()).filter(is_lone) {
-        let [exponent, _] = painted.layout.block(face).exponents;
-        if exponent <= LONE_EXPONENT_MAX {
-            blocks.push(lone(exponent, &[face as u32]));
-            continue;
-        }
-        let waiting = &mut waiting[usize::from(exponent)];
-        match waiting.take() {
-            Some(first) => blocks.push(lone(exponent, &[first, face as u32])),
-            None => *waiting = Some(face as u32),
-        }
-    }
-    let left = (0u8..).zip(waiting).filter_map(|(exponent, face)| Some(lone(exponent, &[face?])));
-    blocks.extend(left);
+    let joined = patches(painted, |face| twins[face].is_none());
+    let mut blocks: Vec<Block> = joined.into_iter().map(|patch| block(patch, 0)).collect();
+    let is_lone =
+        |face: &u32| painted.canvas.faces[*face as usize].is_triangle() && twins[*face as usize].is_none();
+    let mut lone = LoneTriangles::new(Coordinates::Indexed);
+    let lone_faces = (0u32..).take(painted.face_count()).filter(is_lone);
+    let completed: Vec<BlockKind> =
+        lone_faces.filter_map(|face| lone.add(face, painted.exponents(Pose::upright(face))[0])).collect();
+    let kinds = completed.into_iter().chain(lone.left().map(|(kind, _)| kind));
+    blocks.extend(kinds.map(|kind| {
+        let faces = kind.faces().map(|face| Pose::upright(face as u32)).collect();
+        block(Patch { cells: [1, 1], faces }, kind.lone_count())
+    }));
     blocks
 }
 
 fn savings(group: &[Painted<'_>], twins: &[Vec<Option<Twin>>], blocks: &[Block]) -> Savings {
     let mut savings = Savings::default();
     let texels = |painted: &Painted<'_>, class: &Class| {
-        let of_level = |level: usize| class.footprint(level).into_iter().map(u64::from).product::<u64>();
-        [of_level(0), (0..painted.layout.level_count()).map(of_level).sum()]
+        [class.texels(0), (0..painted.layout.level_count()).map(|level| class.texels(level)).sum()]
     };
     for (painted, twins) in group.iter().zip(twins) {
         for face in (0..twins.len()).filter(|&face| twins[face].is_some()) {
             let block = painted.layout.block(face);
             let lone_count = match block.kind.is_lone() {
                 false => 0,
-                true if block.exponents[0] <= LONE_EXPONENT_MAX => 1,
+                true if Coordinates::Indexed.leaves_alone(block.exponents[0]) => 1,
                 true => 2,
             };
             let alone = Class { cells: [1, 1], exponents: block.exponents, lone_count, block_count: 0 };
@@ -192,11 +183,12 @@ fn savings(group: &[Painted<'_>], twins: &[Vec<Option<Twin>>], blocks: &[Block])
             savings.shared_texels = [0, 1].map(|k| savings.shared_texels[k] + saved[k]);
         }
     }
-    for block in blocks.iter().filter(|block| block.class.cells != [1, 1]) {
+    for block in blocks.iter().filter(|block| block.patch.cells != [1, 1]) {
         let painted = &group[block.material];
+        let joined = block.class();
         let [alone, joined] =
-            [Class { cells: [1, 1], ..block.class }, block.class].map(|class| texels(painted, &class));
-        let count = block.faces.len() as u64;
+            [Class { cells: [1, 1], ..joined }, joined].map(|class| texels(painted, &class));
+        let count = block.patch.faces.len() as u64;
         savings.joined_count += count;
         savings.joined_texels = [0, 1].map(|k| savings.joined_texels[k] + count * alone[k] - joined[k]);
     }
@@ -207,21 +199,43 @@ impl Painted<'_> {
     fn face_count(&self) -> usize {
         self.layout.placements.len()
     }
+
+    /// Of a face as it lies.
+    fn exponents(&self, pose: Pose) -> [u8; 2] {
+        pose.turn.pair(self.layout.block(pose.face as usize).exponents)
+    }
 }
 
 impl Block {
+    /// The longer side along x. `exponents`: of each face as it lies.
+    fn new(material: usize, patch: Patch, exponents: [u8; 2], lone_count: u8) -> Self {
+        let ([r, s], [width, height]) = (exponents, patch.cells);
+        if (r, width) >= (s, height) {
+            Self { material, patch, exponents, lone_count }
+        } else {
+            Self { material, patch: patch.turned(Turn::SWAP), exponents: [s, r], lone_count }
+        }
+    }
+
+    fn class(&self) -> Class {
+        let Self { exponents, lone_count, .. } = *self;
+        Class { cells: self.patch.cells, exponents, lone_count, block_count: 0 }
+    }
+
     /// In which blocks of a part stand: as [`Page::new`] and the table want it.
     fn order(&self) -> (u8, [u32; 2], [u8; 2], usize, u32) {
-        (self.class.lone_count, self.class.cells, self.class.exponents, self.material, self.faces[0].0)
+        (self.lone_count, self.patch.cells, self.exponents, self.material, self.patch.faces[0].face)
     }
 
     fn pieces(&self, part: u32, [class, number]: [u32; 2]) -> impl Iterator<Item = Piece> {
-        (0u32..).zip(&self.faces).map(move |(place, &(face, turn))| {
-            let is_second = self.class.has_two() && place == 1;
-            let width = self.class.cells[0];
-            let cell = if is_second { [0, 0] } else { [place % width, place / width] };
-            Piece { material: self.material, face, turn, part, class, number, cell, is_second }
-        })
+        let material = self.material;
+        let piece =
+            move |pose, cell, is_second| Piece { material, pose, part, class, number, cell, is_second };
+        let second = self.patch.faces.get(1).filter(|_| self.class().has_two());
+        let cells = self.patch.cells_in_order().zip(&self.patch.faces);
+        cells
+            .map(move |(cell, &pose)| piece(pose, cell, false))
+            .chain(second.map(|&pose| piece(pose, [0, 0], true)))
     }
 }
 
@@ -230,7 +244,7 @@ impl Packed {
         let mut piece_of: Vec<Vec<Option<&Piece>>> =
             group.iter().map(|painted| vec![None; painted.face_count()]).collect();
         for piece in self.pieces.iter().flatten() {
-            piece_of[piece.material][piece.face as usize] = Some(piece);
+            piece_of[piece.material][piece.pose.face as usize] = Some(piece);
         }
         for (material, (painted, spots)) in group.iter().zip(&mut self.spots).enumerate() {
             for (face, spot) in spots.iter_mut().enumerate() {
@@ -249,7 +263,7 @@ impl Packed {
 impl Piece {
     /// Where a face stands that `turn` lays on this piece's.
     fn spot(&self, painted: &Painted<'_>, face: usize, turn: Turn) -> Spot {
-        let all = turn.then(self.turn);
+        let all = turn.then(self.pose.turn);
         let corners = [0, 1, 2, 3].map(|corner| {
             let unit = all.point(painted.unit(face, corner), [1, 1]);
             if self.is_second { unit.map(|at| 1 - at) } else { [0, 1].map(|k| self.cell[k] + unit[k]) }

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::image::{Image, Pixels};
+use crate::math::random::scatter;
 
 use super::Painted;
 use super::texels::{FaceTexels, are_equal};
@@ -93,12 +94,4 @@ fn codes(image: &Image, texel: usize) -> u64 {
         Pixels::U8(all) => all[range].iter().fold(0, |word, &code| word << 8 | u64::from(code)),
         Pixels::U16(all) => all[range].iter().fold(0, |word, &code| word << 16 | u64::from(code)),
     }
-}
-
-/// Spreads a word over all bits (the finalizer of SplitMix64, Steele et al. 2014).
-fn scatter(word: u64) -> u64 {
-    let mut word = word.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    word = (word ^ word >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    word = (word ^ word >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-    word ^ word >> 31
 }

@@ -1,11 +1,14 @@
+use std::collections::BTreeMap;
+
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 
+use super::classes::with_classes;
 use super::copy::Channel;
 use super::texels::FaceTexels;
 use super::turn::Turn;
-use super::{PackOptions, Packed, Painted, pack};
+use super::{Block, PackOptions, Packed, Painted, pack};
 use crate::colors::{Resolutions, level_count};
 use crate::error::ErrorCode;
 use crate::image::{Image, Pixels};
@@ -187,6 +190,71 @@ fn what_goes_on_over_edges_is_one_block() {
     assert_eq!(packed.pages[0].sizes[2], [5, 5]);
     assert_eq!((packed.savings.joined_count, packed.savings.shared_count), (16, 0));
     is_unchanged(&[&sheet], &packed).unwrap();
+}
+
+/// The six sides of a cube, with what is the same everywhere on them.
+fn cube() -> Sheet {
+    let positions: Vec<Vec3> =
+        (0..8u8).map(|k| Vec3::new((k & 1).into(), (k >> 1 & 1).into(), (k >> 2).into())).collect();
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut faces = sides.into_iter().map(|side| (side, 4));
+    let canvas = build([Polygons { mesh: 0, primitive: 0, positions: &positions, faces: &mut faces }]);
+    Sheet::new(canvas, vec![[2, 2]; 6], |_, level| level as u8)
+}
+
+/// Blocks by the number of their faces along each axis.
+fn shapes(packed: &Packed) -> BTreeMap<[u32; 2], u32> {
+    let mut shapes = BTreeMap::new();
+    for class in packed.pages.iter().flat_map(|page| &page.classes) {
+        *shapes.entry(class.cells).or_default() += class.block_count;
+    }
+    shapes
+}
+
+/// Sides of a block may have any number of faces.
+#[test]
+fn five_by_three_squares_are_one_block() {
+    let rows = sheet(5, &[(0, false), (1, true), (2, false)], 0);
+    let is_in = |face: &usize| face / 5 < 3;
+    let positions = rows.positions.clone();
+    let mut faces = (0..25).filter(is_in).map(|face| (rows.faces[face].vertices, 4));
+    let canvas = build([Polygons { mesh: 0, primitive: 0, positions: &positions, faces: &mut faces }]);
+    let sheet = Sheet::new(canvas, vec![[1, 1]; 15], |at, _| (at.x * 20.0 + at.y * 7.0 + 128.0) as u8);
+    let packed = sheet.packed(false);
+    assert_eq!(shapes(&packed), BTreeMap::from([([5, 3], 1)]));
+    is_unchanged(&[&sheet], &packed).unwrap();
+}
+
+/// No corner of a cube can be inside of a block, and a row around it would have to meet itself. Two rows of three take
+/// least.
+#[test]
+fn a_cube_is_two_rows_of_three() {
+    let cube = cube();
+    let packed = cube.packed(false);
+    assert_eq!(shapes(&packed), BTreeMap::from([([3, 1], 2)]));
+    is_unchanged(&[&cube], &packed).unwrap();
+}
+
+/// What has come apart so that there are fewer classes still has every face.
+#[test]
+fn blocks_come_apart_where_there_are_too_many_classes() {
+    let exponents = |face: usize| [[1, 1], [2, 2], [3, 3]][face / 5 % 3];
+    let sheet = Sheet::new(sheet(5, &[(0, false)], 0), (0..25).map(exponents).collect(), |_, _| 1);
+    let painted = sheet.painted();
+    let all = || super::blocks(0, &painted, &vec![None; 25]);
+    let counts = |blocks: &[Block]| {
+        let mut counts: BTreeMap<([u32; 2], [u8; 2]), usize> = BTreeMap::new();
+        for block in blocks {
+            *counts.entry((block.patch.cells, block.exponents)).or_default() += block.patch.faces.len();
+        }
+        counts
+    };
+    // Five rows of five. Those of the finest two save more than those of the others together.
+    let rows = [1, 2, 3].map(|exponent| ([5, 1], [exponent; 2]));
+    assert_eq!(counts(&all()), BTreeMap::from([(rows[0], 10), (rows[1], 10), (rows[2], 5)]));
+    let few = counts(&with_classes(all(), 4));
+    assert_eq!(few, BTreeMap::from([(([1, 1], [1; 2]), 10), (rows[1], 10), (([1, 1], [3; 2]), 5)]));
+    assert_eq!(counts(&with_classes(all(), 0)).keys().filter(|(cells, _)| *cells != [1, 1]).count(), 0);
 }
 
 /// Tiles and mirrored halves need their texels once, unless that is switched off.

@@ -13,12 +13,17 @@ impl Turn {
     pub const NONE: Self = Self { is_swapped: false, is_flipped: [false; 2] };
     pub const SWAP: Self = Self { is_swapped: true, is_flipped: [false; 2] };
 
+    /// How many there are.
+    pub const COUNT: u32 = 8;
+
     pub fn all() -> impl Iterator<Item = Self> {
-        let bit = |number: u8, place: u8| number >> place & 1 == 1;
-        (0..8).map(move |number| Self {
-            is_swapped: bit(number, 2),
-            is_flipped: [bit(number, 0), bit(number, 1)],
-        })
+        (0..Self::COUNT).map(Self::numbered)
+    }
+
+    /// The one of a number below [`Turn::COUNT`].
+    pub fn numbered(number: u32) -> Self {
+        let bit = |place: u32| number >> place & 1 == 1;
+        Self { is_swapped: bit(2), is_flipped: [bit(0), bit(1)] }
     }
 
     /// The two entries of a pair by axis, as the turned rectangle has them.

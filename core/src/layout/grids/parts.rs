@@ -7,26 +7,22 @@ use std::cmp::Reverse;
 
 use super::Class;
 
-/// Classes are parted while there are no more than so many in all. A shader's table takes 32 bytes for each and 16 for each of its
-/// levels: with twenty levels that is less than 64 KiB, as uniforms may take everywhere.
-const CLASS_COUNT_MAX: usize = 160;
+/// Classes are parted while there are no more than so many in all ([`Class::entry_count`]). A shader's table takes 32 bytes for each
+/// and 16 for each of its levels: with twenty levels that is less than 64 KiB, as uniforms may take everywhere.
+pub const CLASS_COUNT_MAX: usize = 160;
 
 /// Classes, some of them in parts that follow each other; those of the most texels at level 0 first.
 pub fn parted(classes: &[Class]) -> Vec<Class> {
-    let texels = |class: &Class| {
-        class.footprint(0).into_iter().map(u64::from).product::<u64>() * u64::from(class.block_count)
-    };
+    let texels = |class: &Class| class.texels(0) * u64::from(class.block_count);
     let mut order: Vec<usize> = (0..classes.len()).collect();
     order.sort_by_key(|&class| (Reverse(texels(&classes[class])), class));
     let mut parts: Vec<Vec<Class>> = classes.iter().map(|&class| vec![class]).collect();
-    // With two triangles in a block a class is two of the table's.
-    let entries = |class: &Class| if class.has_two() { 2 } else { 1 };
-    let mut count: usize = classes.iter().map(entries).sum();
+    let mut count: usize = classes.iter().map(Class::entry_count).sum();
     for class in order {
         let of_class: Vec<Class> = (halves(classes[class].block_count))
             .map(|block_count| Class { block_count, ..classes[class] })
             .collect();
-        let more = entries(&classes[class]) * of_class.len().saturating_sub(1);
+        let more = classes[class].entry_count() * of_class.len().saturating_sub(1);
         if count + more <= CLASS_COUNT_MAX {
             count += more;
             parts[class] = of_class;

@@ -3,6 +3,7 @@
 
 use super::skyline::{Group, Piece, Plan, Put, Skyline, Taste};
 use super::{ClassGrid, Level, Packing};
+use crate::math::random::Random;
 
 /// Widths that are tried at first, as shares of a square's side: the first, the last, and how many.
 const WIDTHS: ([f64; 2], u32) = ([0.5, 1.6], 48);
@@ -17,8 +18,8 @@ const WORK_OF_PAIR: u64 = 8_000;
 /// come near to the second, the empty ones need not be fewer than one in so many.
 const EMPTY_PART: u64 = 100;
 const UNREAD_PART: u64 = 50;
-const EMPTY_PART_LEAST: u64 = 400;
-const LATE_COUNT: u64 = 12;
+const EMPTY_PART_LEAST: u64 = 1000;
+const LATE_COUNT: u64 = 24;
 /// Plans that are changed by turns.
 const PLANS_KEPT: usize = 20;
 /// A changed plan may be worse by up to this share of the texels, less and less until the work is done, then anew.
@@ -58,7 +59,7 @@ pub fn search(pieces: &[Piece], goal: Goal) -> Option<Level> {
         texels,
         goal,
         widths: [low, high],
-        random: Random(7),
+        random: Random(5),
         skyline: Skyline::default(),
         work_max: match goal.packing {
             Packing::Quick => WORK_MAX_QUICK,
@@ -151,7 +152,7 @@ impl Search<'_> {
             }
             let width = low + (u64::from(high - low) * u64::from(place) / u64::from(count)) as u32;
             for groups in &starts {
-                let taste = if place.is_multiple_of(2) { TASTE } else { self.random.taste() };
+                let taste = if place.is_multiple_of(2) { TASTE } else { taste(&mut self.random) };
                 let spare = 0.5 * SPARE_MAX * self.random.unit();
                 let mut plan = Plan { width, spare, goal: 0, taste, groups: groups.clone() };
                 plans.extend(self.attempt(&mut plan, u64::MAX).map(|texels| (texels, plan)));
@@ -204,7 +205,7 @@ impl Search<'_> {
             }
             2..=5 => self.join_or_part(&mut plan.groups, number),
             6 => plan.spare = SPARE_MAX * random.unit(),
-            7 => plan.taste = random.taste(),
+            7 => plan.taste = taste(random),
             8 | 9 => {
                 let most = (plan.width / group.piece.footprint[0]).clamp(1, group.piece.block_count);
                 group.columns_max = if random.below(3) == 0 { u32::MAX } else { 1 + random.below(most) };
@@ -237,36 +238,14 @@ fn product([width, height]: [u32; 2]) -> u64 {
     u64::from(width) * u64::from(height)
 }
 
-/// SplitMix64 (Steele et al. 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut word = self.0;
-        word = (word ^ word >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        word = (word ^ word >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        word ^ word >> 31
-    }
-
-    /// Below `count`.
-    fn below(&mut self, count: u32) -> u32 {
-        (((self.next() >> 32) * u64::from(count)) >> 32) as u32
-    }
-
-    /// From 0 to 1.
-    fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / (1u32 << 24) as f32
-    }
-
-    fn taste(&mut self) -> Taste {
-        let mut weight = |usual: f32| usual * WEIGHTS[self.below(WEIGHTS.len() as u32) as usize];
-        Taste {
-            lost: weight(TASTE.lost),
-            over: weight(TASTE.over),
-            full_width: weight(TASTE.full_width),
-            as_high: TASTE.as_high.map(&mut weight),
-            large: weight(TASTE.large),
-        }
+/// One of the weights that are tried for each.
+fn taste(random: &mut Random) -> Taste {
+    let mut weight = |usual: f32| usual * WEIGHTS[random.below(WEIGHTS.len() as u32) as usize];
+    Taste {
+        lost: weight(TASTE.lost),
+        over: weight(TASTE.over),
+        full_width: weight(TASTE.full_width),
+        as_high: TASTE.as_high.map(&mut weight),
+        large: weight(TASTE.large),
     }
 }

@@ -1,17 +1,5 @@
 use super::*;
-
-/// Numbers without a pattern, the same in every run (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: u64) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (bits ^ (bits >> 31)) % end
-    }
-}
+use crate::math::random::Random;
 
 fn edge(a: usize, b: usize, weight: i64) -> WeightedEdge {
     WeightedEdge { nodes: [a as u32, b as u32], weight }
@@ -169,10 +157,10 @@ fn small_graphs_as_by_trying_all() {
     for _ in 0..40_000 {
         let nodes = 2 + random.below(8) as usize;
         let heaviest = [1, 2, 3, 6, 20, 1000][random.below(6) as usize];
-        let edges: Vec<WeightedEdge> = (0..random.below(2 * nodes as u64 + 4))
+        let edges: Vec<WeightedEdge> = (0..random.below(2 * nodes as u32 + 4))
             .map(|_| {
-                let [a, b] = [(); 2].map(|_| random.below(nodes as u64) as usize);
-                edge(a, b, 1 + random.below(heaviest) as i64)
+                let [a, b] = [(); 2].map(|_| random.below(nodes as u32) as usize);
+                edge(a, b, 1 + i64::from(random.below(heaviest)))
             })
             .collect();
         let (weight, _) = certified(nodes, &edges);
@@ -187,9 +175,13 @@ fn sheets_have_a_proof() {
         for classes in [&[1][..], &[3, 9, 33, 129], &[3, 9, 9], &[]] {
             let mut diagonals = Random(3);
             let is_rising = || is_mixed && diagonals.below(2) == 0;
-            let count = classes.len() as u64;
+            let count = classes.len() as u32;
             let weight = || {
-                if count == 0 { 1 + random.below(1000) as i64 } else { classes[random.below(count) as usize] }
+                if count == 0 {
+                    1 + i64::from(random.below(1000))
+                } else {
+                    classes[random.below(count) as usize]
+                }
             };
             let (nodes, edges) = sheet(50, is_rising, weight);
             let (total, blossoms) = certified(nodes, &edges);
@@ -208,7 +200,7 @@ fn spheres_have_a_proof() {
     let mut random = Random(4);
     let (nodes, edges) = sphere(4, || 7);
     assert_eq!(certified(nodes, &edges).0, 7 * nodes as i64 / 2);
-    let (nodes, edges) = sphere(4, || 1 + random.below(50) as i64);
+    let (nodes, edges) = sphere(4, || 1 + i64::from(random.below(50)));
     certified(nodes, &edges);
 }
 
@@ -219,7 +211,7 @@ fn dense_graphs_have_a_proof() {
         for heaviest in [1, 4, 1000] {
             let pairs = (0..nodes).flat_map(|a| (0..a).map(move |b| (a, b)));
             let edges: Vec<WeightedEdge> =
-                pairs.map(|(a, b)| edge(a, b, 1000 + random.below(heaviest) as i64)).collect();
+                pairs.map(|(a, b)| edge(a, b, 1000 + i64::from(random.below(heaviest)))).collect();
             let (total, _) = certified(nodes, &edges);
             assert!(total >= 1000 * (nodes / 2) as i64);
         }
@@ -233,7 +225,7 @@ fn nested_circles_have_a_proof() {
     for heaviest in [1, 3, 100] {
         let edges: Vec<WeightedEdge> = (0..3000)
             .flat_map(|i| [(2 * i, 2 * i + 1), (2 * i, 2 * i + 2), (2 * i + 1, 2 * i + 2)])
-            .map(|(a, b)| edge(a, b, 100 + random.below(heaviest) as i64))
+            .map(|(a, b)| edge(a, b, 100 + i64::from(random.below(heaviest))))
             .collect();
         certified(6001, &edges);
     }
