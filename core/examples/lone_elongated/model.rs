@@ -8,7 +8,7 @@ use meshcolor::asset::Asset;
 use meshcolor::colors::{Cuts, Resolutions, Shape};
 use meshcolor::layout::{Coordinates, block_texels};
 use meshcolor::mesh::{CanvasFace, CanvasMesh};
-use meshcolor::pipeline::{Options, Prepared, prepare};
+use meshcolor::pipeline::{Content, Options, Prepared, prepare};
 use meshcolor::read::{Limits, MemoryFiles, Upload, read};
 use meshcolor::resample::wanted_exponents;
 use meshcolor::source::{SourceChannel, SurfaceSource, channels};
@@ -68,7 +68,9 @@ impl<'a> Surface<'a> {
         let Some(prepared) = prepare(asset, material, channels, &options, &Unwatched)? else {
             return Ok(None);
         };
-        let Prepared { canvas, sources, cuts, joinable, .. } = prepared;
+        let Prepared { canvas, content: Content::Textures(sources), cuts, joinable, .. } = prepared else {
+            return Err("the model has mesh colors; give one with textures".into());
+        };
         let wanted = wanted_exponents(options.resolution, true, asset, &canvas, &sources);
         let exponents = wanted.agreeing(&canvas, &joinable);
         Ok(Some(Self { canvas, sources, cuts, exponents }))

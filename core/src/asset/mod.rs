@@ -1,7 +1,9 @@
 //! What reading ends in: one strict type whose guarantees later stages never check again.
 
+mod mesh_colors;
 mod types;
 
+pub use mesh_colors::{EXPONENT_MAX, MESH_COLORS_EXTENSION, MeshColorChannel, MeshColors};
 pub use types::{
     AlphaMode, Asset, Attribute, Document, EncodedImage, Face, Instance, Material, Mesh, MorphTarget,
     Primitive, Slot, TextureRef, UvTransform,

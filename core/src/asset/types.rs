@@ -5,6 +5,8 @@ use glam::{Affine3A, Vec2, Vec3, Vec4};
 use crate::error::Warning;
 use crate::image::{Image, Wrap};
 
+use super::MeshColors;
+
 /// A model, read and checked.
 ///
 /// Guarantees (by construction in `read`; tested there):
@@ -113,6 +115,8 @@ pub struct Material {
     pub occlusion_strength: f32,
     pub alpha_mode: AlphaMode,
     pub double_sided: bool,
+    /// Instead of textures in the slots of its channels, which are `None` then.
+    pub mesh_colors: Option<MeshColors>,
 }
 
 impl Material {

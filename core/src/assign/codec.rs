@@ -35,6 +35,11 @@ impl Codec {
         self.stored().contains(&ALPHA)
     }
 
+    /// Codes of a value `(r, g, b, a)`, the nearest in range: of each component that is stored.
+    pub fn codes(&self, value: Vec4) -> impl Iterator<Item = u16> {
+        self.stored().iter().map(move |&component| self.encode_one(component, value[component]))
+    }
+
     fn encode_one(&self, component: usize, value: f32) -> u16 {
         match (self.transfer == Transfer::Srgb && component != ALPHA, self.bits) {
             (true, 8) => u16::from(srgb8(value)),

@@ -10,7 +10,7 @@ use crate::resample::{Candidates, Choice, Rates, spend, wanted_exponents};
 use crate::watch::{self, Watch};
 
 use super::options::Options;
-use super::prepare::Prepared;
+use super::prepare::{Content, Prepared};
 
 /// Layouts are arranged anew up to so many times until they keep to a number of texels.
 const TRIES_MAX: usize = 10;
@@ -38,9 +38,13 @@ pub fn arrange_all(
     watch: &dyn Watch,
 ) -> Result<Vec<Arranged>> {
     let is_elongated = options.coordinates.are_elongated();
+    check_painted(materials, options)?;
     let finest = |material: &Prepared<'_>| {
-        let wanted =
-            wanted_exponents(options.resolution, is_elongated, asset, &material.canvas, &material.sources);
+        let sources = match &material.content {
+            Content::Textures(sources) => sources,
+            Content::Painted(painted) => return painted.resolutions.clone(),
+        };
+        let wanted = wanted_exponents(options.resolution, is_elongated, asset, &material.canvas, sources);
         let all = if is_elongated {
             wanted.agreeing(&material.canvas, &material.joinable)
         } else {
@@ -55,7 +59,10 @@ pub fn arrange_all(
     }
     let rates: Vec<Rates> = (materials.iter().zip(&finest))
         .map(|(material, finest)| {
-            Rates::new(&material.canvas, &material.sources, finest, is_elongated, watch)
+            let Content::Textures(sources) = &material.content else {
+                return Err(Error::internal("a budget reached mesh colors"));
+            };
+            Rates::new(&material.canvas, sources, finest, is_elongated, watch)
         })
         .collect::<Result<_>>()?;
     let texels = |shape: Shape| block_texels(options.coordinates, shape);
@@ -114,6 +121,29 @@ pub fn arrange_all(
          ask for at least as many, or for a coarser mesh"
     );
     Err(Error::new(ErrorCode::InvalidOptions, detail).at("/texels").limit(least, wanted))
+}
+
+/// Mesh colors have their resolution: whatever asks for another is refused.
+fn check_painted(materials: &[Prepared<'_>], options: &Options) -> Result<()> {
+    let painted = materials.iter().find_map(|material| match &material.content {
+        Content::Painted(painted) => Some((material.material, painted)),
+        Content::Textures(_) => None,
+    });
+    let Some((material, painted)) = painted else { return Ok(()) };
+    let refused = |name: &str, detail: &str| {
+        Error::new(ErrorCode::InvalidOptions, format!("material {material} has mesh colors, {detail}"))
+            .at(name)
+    };
+    if options.texels.is_some() || options.max_error.is_some() {
+        let name = if options.texels.is_some() { "/texels" } else { "/max-error" };
+        return Err(refused(name, "whose resolution is the file's: convert it without texels and max-error"));
+    }
+    let is_elongated = painted.resolutions.faces.iter().any(|[r, s]| r != s);
+    if is_elongated && !options.coordinates.are_elongated() {
+        let detail = "some faces of which have two exponents, which 4d-rows cannot hold; use 4d or indexed";
+        return Err(refused("/coordinates", detail));
+    }
+    Ok(())
 }
 
 /// Texels of level 0 over all materials, one channel counting.

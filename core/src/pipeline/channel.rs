@@ -4,28 +4,27 @@ use std::collections::BTreeMap;
 
 use glam::Vec4;
 
-use crate::asset::Slot;
 use crate::assign::{
-    Codec, LevelChannel, LevelValues, Need, NormalFrames, RANGE_WIDTH, Range, Rounding, Storing,
-    need_of_range, paint, range_of, read_back, rules,
+    LevelChannel, LevelValues, Need, NormalFrames, RANGE_WIDTH, Range, Rounding, Storing, need_of_range,
+    paint, range_of, read_back, rules,
 };
 use crate::colors::{Cuts, LevelNumbering, Resolutions};
 use crate::error::Result;
-use crate::image::{Image, LevelRange, Pixels, Transfer};
+use crate::image::{Image, LevelRange};
 use crate::layout::Layout;
 use crate::measure::{SolverReport, StoredReport};
 use crate::mip::{Beyond, Coarsener, MipFilter, Rungs, coverage, keep_coverage};
 use crate::resample::{Fit, Samples};
 use crate::solve::Solver;
-use crate::source::SourceChannel;
 use crate::watch::{Stage, Watch};
 
 use super::bare_normals::{show, take_bare};
 use super::changes::Changes;
+use super::form::ChannelForm;
 use super::represent::{Task, represent};
 
 pub struct ChannelInput<'a> {
-    pub channel: &'a SourceChannel<'a>,
+    pub form: &'a ChannelForm,
     pub resolutions: &'a Resolutions,
     pub layout: &'a Layout,
     pub cuts: Cuts,
@@ -40,9 +39,11 @@ pub struct ChannelInput<'a> {
 }
 
 pub struct FinishedChannel {
-    pub slots: Vec<Slot>,
-    pub transfer: Transfer,
+    pub form: ChannelForm,
     pub cuts: Cuts,
+    /// Of level 0, before anything was changed to be stored: the components that are stored, one after the other. Empty where nobody
+    /// asked for them.
+    pub samples: Vec<f32>,
     pub levels: Vec<Image>,
     /// Of levels that are stored in one.
     pub ranges: BTreeMap<usize, LevelRange>,
@@ -53,7 +54,6 @@ pub struct FinishedChannel {
     pub fit: Option<Fit>,
     /// Of levels in a range.
     pub stored: Vec<StoredReport>,
-    pub is_alpha_weighted: bool,
     pub keeps_coverage: bool,
 }
 
@@ -93,8 +93,7 @@ pub fn finish_channel(
     if let Some(frames) = input.frames {
         take_bare(&numbering, frames, &mut values);
     }
-    let rungs =
-        Rungs { filter: input.mip, beyond: input.beyond, by_alpha: input.channel.is_alpha_weighted() };
+    let rungs = Rungs { filter: input.mip, beyond: input.beyond, by_alpha: input.form.is_alpha_weighted() };
     let mut coarsener = Coarsener::new(rungs);
     let mut wanted_coverage = 0.0;
     for level in 0.. {
@@ -129,16 +128,15 @@ pub fn finish_channel(
 /// A channel without levels.
 fn unfinished(input: &ChannelInput<'_>, fit: Option<Fit>) -> FinishedChannel {
     FinishedChannel {
-        slots: input.channel.slots.clone(),
-        transfer: input.channel.transfer,
+        form: input.form.clone(),
         cuts: Cuts { edges: Vec::new() },
+        samples: Vec::new(),
         levels: Vec::new(),
         ranges: BTreeMap::new(),
         sample_counts: Vec::new(),
         solver: Vec::new(),
         fit,
         stored: Vec::new(),
-        is_alpha_weighted: input.channel.is_alpha_weighted(),
         keeps_coverage: input.mask_cutoff.is_some(),
     }
 }
@@ -157,7 +155,7 @@ fn finish_level(
         layout: input.layout,
         numbering,
         cuts: &input.cuts,
-        codec: codec(input.channel),
+        codec: input.form.codec,
         frames: input.frames,
     };
     let mut wanted = LevelValues::new(wanted, numbering.topology.fan_count());
@@ -194,15 +192,4 @@ fn stored_report(level: usize, range: &str, changes: &Changes) -> StoredReport {
         change_p95_codes: changes.p95_codes,
         change_max_codes: changes.max_codes,
     }
-}
-
-/// What the channel is stored as: the source's components and bits, without an alpha that nobody reads.
-pub fn codec(channel: &SourceChannel<'_>) -> Codec {
-    let is_gray = channel.image.components <= 2 && !channel.is_normal();
-    let components = if is_gray { 1 } else { 3 } + u8::from(channel.is_alpha_weighted());
-    let bits = match channel.image.pixels {
-        Pixels::U8(_) => 8,
-        Pixels::U16(_) => 16,
-    };
-    Codec { transfer: channel.transfer, components, bits }
 }

@@ -10,7 +10,6 @@ use crate::image::{Image, LevelRange};
 use crate::layout::Coordinates;
 use crate::pack::{Channel, PackOptions, Packed, Painted, pack};
 
-use super::channel::codec;
 use super::material::MaterialConversion;
 use super::options::Options;
 use super::prepare::Prepared;
@@ -32,8 +31,7 @@ type Kind = Vec<(Vec<Slot>, Codec)>;
 pub fn sets(materials: &[Prepared<'_>], merges: bool) -> Vec<Vec<usize>> {
     let mut sets: Vec<(Kind, Vec<usize>)> = Vec::new();
     for (number, material) in materials.iter().enumerate() {
-        let channels = material.sources.iter().map(|source| source.channel);
-        let kind = channels.map(|channel| (channel.slots.clone(), codec(channel))).collect();
+        let kind = material.channels.iter().map(|form| (form.slots.clone(), form.codec)).collect();
         match sets.iter_mut().find(|(known, _)| merges && *known == kind) {
             Some((_, set)) => set.push(number),
             None => sets.push((kind, vec![number])),
@@ -89,8 +87,8 @@ impl Group {
                 textures.push(FinishedTexture {
                     materials: materials.clone(),
                     part,
-                    slots: channel.slots.clone(),
-                    transfer: channel.transfer,
+                    slots: channel.form.slots.clone(),
+                    transfer: channel.form.codec.transfer,
                     levels,
                     ranges: ranges.clone(),
                 });
@@ -119,7 +117,10 @@ impl Group {
                 levels,
                 ranges,
             });
-            return together(painted.collect(), conversions[self.members[0]].channels[channel].transfer);
+            return together(
+                painted.collect(),
+                conversions[self.members[0]].channels[channel].form.codec.transfer,
+            );
         };
         let channels: Vec<Channel<'_>> =
             layouts.zip(&taken).map(|(layout, (levels, _))| Channel { layout, levels }).collect();

@@ -6,9 +6,11 @@ mod bare_normals;
 mod changes;
 mod channel;
 mod compression;
+mod form;
 mod group;
 mod material;
 pub mod options;
+mod painted;
 mod prepare;
 mod progress;
 mod report;
@@ -25,7 +27,7 @@ pub use crate::resample::{Resolution, Sampling};
 pub use crate::solve::Solver;
 pub use crate::write::textures::{BlockFormat, TextureFormat};
 pub use options::{OPTIONS, OptionSpec, Options, Quality};
-pub use prepare::{Prepared, prepare};
+pub use prepare::{Content, Prepared, prepare};
 
 use crate::asset::Asset;
 use crate::error::{Error, ErrorCode, Result};
@@ -107,6 +109,7 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     progress.part(1.0);
     progress.advance(READ_SHARE);
     let (mut materials, sets) = convert_materials(asset, options, limits, watch, &mut progress)?;
+    let painted = if options.mesh_colors { painted::materials(asset, &mut materials) } else { Vec::new() };
     watch.stage(Stage::Layout);
     let groups = groups(&materials, sets, options)?;
     let finished = assemble(asset, &mut materials, &groups);
@@ -129,6 +132,10 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
         BundleFile { path: "asset.glb".into(), bytes: glb.bytes },
         BundleFile { path: "report.json".into(), bytes: report::to_bytes(&report)? },
     ];
+    if !painted.is_empty() {
+        let bytes = write::mesh_colors_glb(asset, &painted, watch)?;
+        files.push(BundleFile { path: "mesh_colors.glb".into(), bytes });
+    }
     files.extend(loose);
     watch.progress(1.0);
     Ok(Product { finished, report, files, focus })

@@ -55,6 +55,8 @@ pub struct Options {
     pub textures: BTreeSet<TextureFormat>,
     /// What KTX2 files hold instead of texels, where it fits.
     pub compress: BTreeSet<BlockFormat>,
+    /// Whether the samples of level 0 come along too.
+    pub mesh_colors: bool,
 }
 
 impl Default for Options {
@@ -93,6 +95,7 @@ impl Options {
             cut_codes: 8.0,
             textures: BTreeSet::new(),
             compress: BTreeSet::new(),
+            mesh_colors: false,
         };
         match quality {
             Quality::Draft => {
@@ -106,8 +109,18 @@ impl Options {
 
     /// Sets every rung to those of a preset.
     fn set_quality(&mut self, quality: Quality) {
-        let Self { max_error, texels, shares, merges, max_side, cut_codes, textures, compress, .. } =
-            self.clone();
+        let Self {
+            max_error,
+            texels,
+            shares,
+            merges,
+            max_side,
+            cut_codes,
+            textures,
+            compress,
+            mesh_colors,
+            ..
+        } = self.clone();
         *self = Self {
             max_error,
             texels,
@@ -117,6 +130,7 @@ impl Options {
             cut_codes,
             textures,
             compress,
+            mesh_colors,
             ..Self::of(quality)
         };
     }
@@ -155,6 +169,7 @@ impl Options {
                 self.cut_codes = in_range(value, 0.0, 255.0).ok_or_else(refuse)?;
             }
             "textures" => self.textures = parse_textures(value)?,
+            "mesh-colors" => self.mesh_colors = named(SWITCH, value).ok_or_else(refuse)?,
             "compress" => {
                 self.compress = parse_list(BLOCKS, value).filter(is_one_way).ok_or_else(refuse)?;
             }
@@ -234,6 +249,7 @@ impl Options {
             f64::from(self.cut_codes).into(),
             list(TEXTURES, &self.textures).into(),
             list(BLOCKS, &self.compress).into(),
+            self.mesh_colors.into(),
         ];
         OPTIONS.iter().map(|spec| spec.name.to_owned()).zip(values).collect()
     }

@@ -11,13 +11,15 @@ use crate::source::tangents::corner_normals;
 use crate::source::{SourceChannel, SurfaceSource};
 use crate::watch::Watch;
 
+use super::form::ChannelForm;
 use super::options::Options;
+use super::painted::{Painted, Restored, restore};
 
 pub struct Prepared<'a> {
     pub material: usize,
     pub canvas: CanvasMesh,
-    /// By channel.
-    pub sources: Vec<SurfaceSource<'a>>,
+    pub channels: Vec<ChannelForm>,
+    pub content: Content<'a>,
     /// By channel.
     pub cuts: Vec<Cuts>,
     /// By canvas edge: whether its two faces could store the same there.
@@ -26,10 +28,17 @@ pub struct Prepared<'a> {
     pub normals: Option<Vec<[Vec3; 4]>>,
 }
 
-/// `None` where the material has no texture or no face.
+/// Where samples come from.
+pub enum Content<'a> {
+    /// By channel.
+    Textures(Vec<SurfaceSource<'a>>),
+    Painted(Painted<'a>),
+}
+
+/// `None` where the material has no face, and neither textures nor mesh colors.
 ///
 /// # Errors
-/// `Canceled`.
+/// `Canceled`; `InvalidModel` where mesh colors do not fit their faces.
 pub fn prepare<'a>(
     asset: &'a Asset,
     material: usize,
@@ -37,12 +46,20 @@ pub fn prepare<'a>(
     options: &Options,
     watch: &dyn Watch,
 ) -> Result<Option<Prepared<'a>>> {
-    if channels.is_empty() {
+    let colors = asset.materials[material].mesh_colors.as_ref();
+    if channels.is_empty() && colors.is_none() {
         return Ok(None);
     }
     let canvas = canvas_of(asset, material);
     if canvas.faces.is_empty() {
         return Ok(None);
+    }
+    if let Some(colors) = colors {
+        let Restored { canvas, cuts, painted } = restore(canvas, colors, !channels.is_empty())
+            .map_err(|error| error.at(format!("/materials/{material}")))?;
+        let forms = colors.channels.iter().map(|channel| ChannelForm::of_colors(asset, material, channel));
+        let content = Content::Painted(painted);
+        return Ok(Some(Prepared::new(asset, (material, canvas), forms.collect(), cuts, content)));
     }
     let sources: Vec<SurfaceSource<'a>> =
         channels.iter().map(|channel| SurfaceSource::new(channel, asset, &canvas)).collect();
@@ -56,10 +73,24 @@ pub fn prepare<'a>(
     let sources = sources.iter().map(|source| source.merged(&merged)).collect();
     let kept = |cuts: &Cuts| merged.old_edges.iter().map(|&edge| cuts.edges[edge as usize]).collect();
     let cuts: Vec<Cuts> = cuts.iter().map(|cuts| Cuts { edges: kept(cuts) }).collect();
-    let canvas = merged.canvas;
-    let normals = has_normals.then(|| normals_of(asset, &canvas));
-    let joinable = joinable(&canvas, &cuts, normals.as_deref());
-    Ok(Some(Prepared { material, canvas, sources, cuts, joinable, normals }))
+    let forms = channels.iter().map(ChannelForm::of_source).collect();
+    let content = Content::Textures(sources);
+    Ok(Some(Prepared::new(asset, (material, merged.canvas), forms, cuts, content)))
+}
+
+impl<'a> Prepared<'a> {
+    fn new(
+        asset: &Asset,
+        (material, canvas): (usize, CanvasMesh),
+        channels: Vec<ChannelForm>,
+        cuts: Vec<Cuts>,
+        content: Content<'a>,
+    ) -> Self {
+        let has_normals = channels.iter().any(ChannelForm::is_normal);
+        let normals = has_normals.then(|| normals_of(asset, &canvas));
+        let joinable = joinable(&canvas, &cuts, normals.as_deref());
+        Self { material, canvas, channels, content, cuts, joinable, normals }
+    }
 }
 
 fn canvas_of(asset: &Asset, material: usize) -> CanvasMesh {

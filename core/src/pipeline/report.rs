@@ -44,7 +44,7 @@ pub fn extras(materials: &[MaterialConversion], groups: &[Group]) -> Extras {
     let channels = |conversion: &MaterialConversion| {
         let extras = |channel: &FinishedChannel| ChannelExtras {
             material: conversion.material,
-            slots: channel.slots.clone(),
+            slots: channel.form.slots.clone(),
             solver: channel.solver.clone(),
             stored: channel.stored.clone(),
         };
@@ -113,7 +113,7 @@ fn unsolved(channel: &ChannelReport) -> Option<Warning> {
 fn unfitted(conversion: &MaterialConversion) -> impl Iterator<Item = Warning> {
     conversion.channels.iter().filter_map(|channel| {
         let fit = channel.fit.filter(|fit| !fit.is_converged())?;
-        let slots: Vec<_> = channel.slots.iter().map(|slot| slot.gltf_name()).collect();
+        let slots: Vec<_> = channel.form.slots.iter().map(|slot| slot.gltf_name()).collect();
         Some(Warning {
             code: "fit_stopped_early".to_owned(),
             detail: format!(
@@ -228,7 +228,7 @@ impl Counts {
             lone: blocks().filter(|block| block.kind.is_lone()).count(),
             beyond: materials.iter().map(beyond).sum(),
             normals: materials.iter().filter(|conversion| conversion.frames.is_some()).count(),
-            alpha: channels().filter(|channel| channel.is_alpha_weighted).count(),
+            alpha: channels().filter(|channel| channel.form.is_alpha_weighted()).count(),
             masks: channels().filter(|channel| channel.keeps_coverage).count(),
             levels: channels().map(|channel| channel.sample_counts.len()).sum(),
             solved: channels().map(|channel| channel.solver.len()).sum(),

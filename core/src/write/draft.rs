@@ -114,8 +114,17 @@ impl<'a> Draft<'a> {
         }
         // The bytes that the views need: padding after the last one is the chunk's, not the buffer's.
         let buffers = buffers(self.root.get("buffers"), offset);
-        set_array(&mut self.root, "buffers", buffers);
+        let mut listed = |name: &str| match self.root.shift_remove(name) {
+            Some(Value::Array(items)) => items,
+            _ => Vec::new(),
+        };
+        // In one order, whatever the source had of them and where.
+        let [used, required] = ["extensionsUsed", "extensionsRequired"].map(&mut listed);
+        listed("buffers");
         for (name, items) in [
+            ("extensionsUsed", used),
+            ("extensionsRequired", required),
+            ("buffers", buffers),
             ("bufferViews", views),
             ("accessors", self.accessors),
             ("images", self.images),

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::{Map, Value};
 
+use crate::asset::MESH_COLORS_EXTENSION;
 use crate::finished::EXTENSION;
 
 use super::draft::Draft;
@@ -11,6 +12,8 @@ use super::draft::Draft;
 /// Extensions that go out of use where conversion replaced the last thing that had them.
 const MAY_LEAVE: [&str; 3] =
     ["KHR_texture_transform", "KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+
+const OWN: [&str; 2] = [EXTENSION, MESH_COLORS_EXTENSION];
 
 /// The name of every extension object in the draft, extras left out.
 pub fn names(draft: &Draft<'_>) -> BTreeSet<String> {
@@ -27,25 +30,26 @@ pub fn names(draft: &Draft<'_>) -> BTreeSet<String> {
     names
 }
 
-/// Brings `extensionsUsed` and `extensionsRequired` up to date.
-pub fn settle(draft: &mut Draft<'_>, converted: bool) {
+/// Brings `extensionsUsed` and `extensionsRequired` up to date. `added`: those that the file uses now.
+pub fn settle(draft: &mut Draft<'_>, added: &[&str]) {
     let in_use = names(draft);
     for list in ["extensionsUsed", "extensionsRequired"] {
         let Some(Value::Array(listed)) = draft.root.get_mut(list) else { continue };
         listed.retain(|name| {
             let name = name.as_str().unwrap_or_default();
-            // Its own name in a source is an earlier conversion's.
-            let leaves = MAY_LEAVE.contains(&name) || name == EXTENSION;
-            !leaves || (in_use.contains(name) && name != EXTENSION)
+            // Its own names in a source are an earlier conversion's.
+            let is_own = OWN.contains(&name);
+            !is_own && (!MAY_LEAVE.contains(&name) || in_use.contains(name))
         });
         if listed.is_empty() {
             draft.root.remove(list);
         }
     }
-    if converted || in_use.contains(EXTENSION) {
+    let own = OWN.into_iter().filter(|name| added.contains(name) || in_use.contains(*name));
+    for name in own {
         let used = draft.root.entry("extensionsUsed").or_insert_with(|| Value::Array(Vec::new()));
         if let Value::Array(used) = used {
-            used.push(EXTENSION.into());
+            used.push(name.into());
         }
     }
 }

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::Vec2;
 use serde_json::{Map, Value, json};
 
-use crate::asset::Asset;
+use crate::asset::{Asset, MESH_COLORS_EXTENSION};
 use crate::error::{Error, Result};
 use crate::finished::{EXTENSION, Finished, FinishedTexture};
 use crate::image::LevelRange;
@@ -50,6 +50,9 @@ impl Materials {
         encoded: Vec<Vec<Vec<u8>>>,
     ) -> Result<Self> {
         parts::forget(draft);
+        for material in &mut draft.materials {
+            remove_extension(object(material), MESH_COLORS_EXTENSION);
+        }
         let source = draft.materials.clone();
         let mut this =
             Self { source, converted: BTreeMap::new(), united: United::default(), copies: BTreeMap::new() };

@@ -11,6 +11,7 @@ mod extensions;
 mod geometry;
 mod images;
 mod materials;
+mod mesh_colors;
 mod meshes;
 mod parts;
 mod primitives;
@@ -25,12 +26,13 @@ use std::collections::BTreeMap;
 
 use crate::asset::{Asset, Slot};
 use crate::error::{Error, ErrorCode, Result, Warning};
-use crate::finished::{Finished, FinishedPrimitive};
+use crate::finished::{EXTENSION, Finished, FinishedPrimitive};
 use crate::watch::{Stage, Watch, check};
 
 use draft::Draft;
 pub use images::png;
 use materials::Materials;
+pub use mesh_colors::{PaintedMaterial, mesh_colors_glb};
 use meshes::MeshTarget;
 
 /// One file of a bundle.
@@ -100,7 +102,7 @@ pub fn glb_of(asset: &Asset, finished: &Finished, pngs: Pngs, watch: &dyn Watch)
     }
     united::sweep(&mut draft, &materials.united);
     compact::sweep(&mut draft, &asset.document)?;
-    extensions::settle(&mut draft, !converted.is_empty());
+    extensions::settle(&mut draft, if converted.is_empty() { &[] } else { &[EXTENSION] });
     check(watch)?;
     Ok(Glb { bytes: draft.into_glb()?, vertex_count })
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use crate::asset::{Asset, Primitive};
+use crate::asset::{Asset, MESH_COLORS_EXTENSION, Primitive};
 use crate::error::{Error, Result, Warning};
 use crate::finished::{Coordinates, EXTENSION, Finished};
 
@@ -52,16 +52,13 @@ pub fn rest_of(primitive: &Map<String, Value>) -> Map<String, Value> {
     }
     remove_extension(&mut rest, "KHR_draco_mesh_compression");
     remove_extension(&mut rest, EXTENSION);
+    remove_extension(&mut rest, MESH_COLORS_EXTENSION);
     rest
 }
 
 impl Target<'_> {
-    fn source(&self) -> &Primitive {
-        &self.asset.meshes[self.mesh].primitives[self.primitive]
-    }
-
     fn place(&self) -> String {
-        format!("/meshes/{}/primitives/{}", self.mesh, self.primitive)
+        place_of(self.mesh, self.primitive)
     }
 
     /// Puts a converted primitive at `slot` of the mesh: geometry and coordinates are new, everything else is the
@@ -113,56 +110,11 @@ impl Target<'_> {
 
     /// Leaves a glTF primitive as it is; one of a made-up document gets its data.
     pub fn write_source(&self, draft: &mut Draft<'_>, materials: &mut Materials) -> Result<()> {
-        let json = draft.primitive(self.mesh, self.primitive);
-        let has_data = json.get("attributes").and_then(Value::as_object).is_some_and(|all| !all.is_empty());
-        if !has_data {
-            self.write_data(draft)?;
-        }
+        write_data_once(draft, self.asset, [self.mesh, self.primitive])?;
+        remove_extension(draft.primitive(self.mesh, self.primitive), MESH_COLORS_EXTENSION);
         self.move_materials(self.primitive, draft, |draft, material| {
             if materials.is_converted(material) { materials.copy(draft, material, None) } else { material }
         });
-        Ok(())
-    }
-
-    fn write_data(&self, draft: &mut Draft<'_>) -> Result<()> {
-        let source = self.source();
-        let vertex_count = source.positions.len();
-        if vertex_count == 0 {
-            return Err(Error::internal("a primitive has no vertices").at(self.place()));
-        }
-        let vertices: Vec<u32> = (0..vertex_count as u32).collect();
-        let mut attributes = Map::new();
-        let mut add = |name: &str, accessor: usize| attributes.insert(name.to_owned(), accessor.into());
-        add("POSITION", vertices::add_positions(draft, &source.positions));
-        if !source.normals.is_empty() {
-            add("NORMAL", vertices::add_floats(draft, &arrays(&source.normals)));
-        }
-        if !source.tangents.is_empty() {
-            add("TANGENT", vertices::add_floats(draft, &arrays(&source.tangents)));
-        }
-        for (set, values) in source.texcoords.iter().enumerate().filter(|(_, values)| !values.is_empty()) {
-            add(&format!("TEXCOORD_{set}"), vertices::add_floats(draft, &arrays(values)));
-        }
-        for attribute in passed_on(source) {
-            if let Some(accessor) = vertices::add_attribute(draft, &[(attribute, &vertices)]) {
-                add(&attribute.semantic, accessor);
-            }
-        }
-        let triangles = source.faces.iter().flat_map(|face| {
-            let corners = face.corners;
-            face.triangles().iter().flatten().map(move |corner| corners[*corner])
-        });
-        let triangles: Vec<u32> = triangles.collect();
-        let indices = (!triangles.is_empty()).then(|| vertices::add_indices(draft, &triangles, vertex_count));
-        let json = draft.primitive(self.mesh, self.primitive);
-        json.insert("attributes".to_owned(), Value::Object(attributes));
-        match indices {
-            Some(indices) => json.insert("indices".to_owned(), indices.into()),
-            None => json.insert("mode".to_owned(), POINTS.into()),
-        };
-        if let Some(material) = source.material {
-            json.insert("material".to_owned(), material.into());
-        }
         Ok(())
     }
 
@@ -193,6 +145,60 @@ impl Target<'_> {
             }
         }
     }
+}
+
+/// Gives a primitive of a made-up document its data; a glTF primitive has them.
+pub fn write_data_once(draft: &mut Draft<'_>, asset: &Asset, [mesh, primitive]: [usize; 2]) -> Result<()> {
+    let json = draft.primitive(mesh, primitive);
+    if json.get("attributes").and_then(Value::as_object).is_some_and(|all| !all.is_empty()) {
+        return Ok(());
+    }
+    write_data(draft, &asset.meshes[mesh].primitives[primitive], [mesh, primitive])
+}
+
+fn place_of(mesh: usize, primitive: usize) -> String {
+    format!("/meshes/{mesh}/primitives/{primitive}")
+}
+
+fn write_data(draft: &mut Draft<'_>, source: &Primitive, [mesh, primitive]: [usize; 2]) -> Result<()> {
+    let vertex_count = source.positions.len();
+    if vertex_count == 0 {
+        return Err(Error::internal("a primitive has no vertices").at(place_of(mesh, primitive)));
+    }
+    let vertices: Vec<u32> = (0..vertex_count as u32).collect();
+    let mut attributes = Map::new();
+    let mut add = |name: &str, accessor: usize| attributes.insert(name.to_owned(), accessor.into());
+    add("POSITION", vertices::add_positions(draft, &source.positions));
+    if !source.normals.is_empty() {
+        add("NORMAL", vertices::add_floats(draft, &arrays(&source.normals)));
+    }
+    if !source.tangents.is_empty() {
+        add("TANGENT", vertices::add_floats(draft, &arrays(&source.tangents)));
+    }
+    for (set, values) in source.texcoords.iter().enumerate().filter(|(_, values)| !values.is_empty()) {
+        add(&format!("TEXCOORD_{set}"), vertices::add_floats(draft, &arrays(values)));
+    }
+    for attribute in passed_on(source) {
+        if let Some(accessor) = vertices::add_attribute(draft, &[(attribute, &vertices)]) {
+            add(&attribute.semantic, accessor);
+        }
+    }
+    let triangles = source.faces.iter().flat_map(|face| {
+        let corners = face.corners;
+        face.triangles().iter().flatten().map(move |corner| corners[*corner])
+    });
+    let triangles: Vec<u32> = triangles.collect();
+    let indices = (!triangles.is_empty()).then(|| vertices::add_indices(draft, &triangles, vertex_count));
+    let json = draft.primitive(mesh, primitive);
+    json.insert("attributes".to_owned(), Value::Object(attributes));
+    match indices {
+        Some(indices) => json.insert("indices".to_owned(), indices.into()),
+        None => json.insert("mode".to_owned(), POINTS.into()),
+    };
+    if let Some(material) = source.material {
+        json.insert("material".to_owned(), material.into());
+    }
+    Ok(())
 }
 
 /// See [`super::losses`].

@@ -3,6 +3,7 @@
 
 use serde_json::{Map, Value};
 
+use crate::asset::MESH_COLORS_EXTENSION;
 use crate::finished::EXTENSION;
 
 use super::draft::Draft;
@@ -21,12 +22,13 @@ pub enum Kind {
 pub type Visit<'f> = dyn FnMut(Kind, &mut Value) + 'f;
 
 /// Texture extensions whose `source` is an image.
-const TEXTURE_SOURCES: [&str; 4] =
+pub const TEXTURE_SOURCES: [&str; 4] =
     ["KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"];
 
 /// Extensions of which all pointers are known here (most have none).
-const UNDERSTOOD: [&str; 17] = [
+const UNDERSTOOD: [&str; 18] = [
     EXTENSION,
+    MESH_COLORS_EXTENSION,
     "KHR_texture_transform",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
@@ -65,6 +67,9 @@ pub fn visit_roots(draft: &mut Draft<'_>, visit: &mut Visit<'_>) {
                 visit(Kind::Texture, index);
             }
         });
+        if let Some(own) = extension(material, MESH_COLORS_EXTENSION) {
+            visit_mesh_colors(own, visit);
+        }
     }
     for node in named(&mut draft.root, "nodes") {
         if let Some(instancing) = extension(node, "EXT_mesh_gpu_instancing") {
@@ -143,6 +148,20 @@ fn visit_primitive(primitive: &mut Value, visit: &mut Visit<'_>) {
     }
     if let Some(own) = extension(primitive, EXTENSION) {
         visit_values(own.get_mut("cuts"), visit);
+    }
+    if let Some(own) = extension(primitive, MESH_COLORS_EXTENSION) {
+        visit_member(own, "quads", Kind::Accessor, visit);
+    }
+}
+
+fn visit_mesh_colors(own: &mut Value, visit: &mut Visit<'_>) {
+    for name in ["partners", "exponents"] {
+        visit_member(own, name, Kind::Accessor, visit);
+    }
+    for channel in items(own, "channels") {
+        for name in ["samples", "cuts", "tangents"] {
+            visit_member(channel, name, Kind::Accessor, visit);
+        }
     }
 }
 

@@ -10,6 +10,8 @@ use crate::finished::{Anchor, FinishedPrimitive, Frame};
 
 use super::draft::Draft;
 
+const UNSIGNED_BYTE: u32 = 5121;
+const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
@@ -122,11 +124,44 @@ pub fn add_indices(draft: &mut Draft<'_>, indices: &[u32], vertex_count: usize) 
 
 /// Adds one byte for each triangle, for the extension's own use.
 pub fn add_bytes(draft: &mut Draft<'_>, bytes: &[u8]) -> usize {
-    let view = draft.add_view(bytes.to_vec(), None, None);
+    add_packed_bytes(draft, bytes, "SCALAR")
+}
+
+/// Adds elements of bytes, which are not vertices.
+pub fn add_packed_bytes(draft: &mut Draft<'_>, bytes: &[u8], kind: &str) -> usize {
+    add_packed(draft, bytes.to_vec(), (UNSIGNED_BYTE, kind), bytes.len())
+}
+
+/// Adds whole numbers, which are not vertices.
+pub fn add_numbers(draft: &mut Draft<'_>, numbers: &[u32]) -> usize {
+    let bytes = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+    add_packed(draft, bytes, (UNSIGNED_INT, "SCALAR"), numbers.len())
+}
+
+/// Adds elements of floats, which are not vertices.
+pub fn add_packed_floats(draft: &mut Draft<'_>, numbers: &[f32], kind: &str) -> usize {
+    let bytes = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+    add_packed(draft, bytes, (FLOAT, kind), numbers.len())
+}
+
+/// `number_count`: of all elements together.
+fn add_packed(
+    draft: &mut Draft<'_>,
+    bytes: Vec<u8>,
+    (component_type, kind): (u32, &str),
+    number_count: usize,
+) -> usize {
+    let each = match kind {
+        "VEC2" => 2,
+        "VEC3" => 3,
+        "VEC4" => 4,
+        _ => 1,
+    };
+    let view = draft.add_view(bytes, None, None);
     add_accessor(
         draft,
         json!({
-            "bufferView": view, "componentType": 5121, "count": bytes.len(), "type": "SCALAR"
+            "bufferView": view, "componentType": component_type, "count": number_count / each, "type": kind
         }),
     )
 }

@@ -234,4 +234,13 @@ pub const OPTIONS: &[OptionSpec] = &[
         allowed: "none, or one or several of bc7 or astc (8 bits), bc5 (normal maps, two components of data), bc6h (levels in a range of their own, without alpha) with commas between them; textures has to have ktx2",
         doc: "What the loose KTX2 files hold: blocks that GPUs decode as they sample, where a format fits the level. The two sides of an edge come out differently, and the report says by how much",
     },
+    OptionSpec {
+        name: "mesh-colors",
+        value_name: "SWITCH",
+        default: "false",
+        follows_quality: false,
+        rungs: &[],
+        allowed: SWITCH_ALLOWED,
+        doc: "Writes the samples themselves too, as `mesh_colors.glb`, which can be converted again",
+    },
 ];

@@ -6,6 +6,7 @@ use super::super::json::At;
 use super::super::text::quoted;
 use super::accessors::{Accessor, Store, type_name};
 use super::faces::{Mode, unroll};
+use super::mesh_colors;
 use super::typed;
 use crate::asset::{Attribute, Mesh, MorphTarget, Primitive};
 use crate::error::Result;
@@ -153,5 +154,5 @@ fn read_faces(at: &At, primitive: &mut Primitive, store: &Store, context: &mut C
             unroll(mode, vertex_count, |corner| corner as u32, &at.pointer, budget)?
         }
     };
-    Ok(())
+    mesh_colors::join_quads(at, &mut primitive.faces, store, budget)
 }

@@ -89,6 +89,40 @@ pub(super) fn texcoords(
     Ok(packed.chunks_exact(2 * size).map(|uv| Vec2::new(code(&uv[..size]), code(&uv[size..]))).collect())
 }
 
+/// Unsigned whole numbers.
+pub(super) fn whole_numbers(
+    store: &Store,
+    accessor: &Accessor,
+    (semantic, dimensions): (&str, Dimensions),
+    budget: &mut Budget,
+) -> Result<Vec<u32>> {
+    let is_whole = matches!(accessor.component, DataType::U8 | DataType::U16 | DataType::U32);
+    if !is_whole || accessor.normalized || accessor.dimensions != dimensions {
+        let allowed = format!("{dimensions:?} of U8, U16 or U32, not normalized");
+        return Err(wrong_type(accessor, semantic, &allowed));
+    }
+    let packed = store.packed(accessor, budget)?;
+    Ok(packed.chunks_exact(accessor.component.size()).map(unsigned).collect())
+}
+
+/// Finite floats, one after the other.
+pub(super) fn finite_floats(
+    store: &Store,
+    accessor: &Accessor,
+    (semantic, dimensions): (&str, Dimensions),
+    budget: &mut Budget,
+) -> Result<Vec<f32>> {
+    if accessor.component != DataType::F32 || accessor.dimensions != dimensions {
+        return Err(wrong_type(accessor, semantic, &format!("{dimensions:?} F32")));
+    }
+    let packed = store.packed(accessor, budget)?;
+    let numbers: Vec<f32> = floats::<1>(&packed).map(|[number]| number).collect();
+    let place = |number: usize| format!("{semantic}, number {number}");
+    check_finite(numbers.iter().copied(), 1, f32::MAX, place)
+        .map_err(|error| error.at(accessor.pointer.clone()))?;
+    Ok(numbers)
+}
+
 /// Vertex indices, each below `vertex_count`.
 pub(super) fn indices(
     store: &Store,

@@ -1,0 +1,68 @@
+//! What a channel stands for and how it is stored, wherever its samples come from.
+
+use crate::asset::{AlphaMode, Asset, MeshColorChannel, Slot};
+use crate::assign::Codec;
+use crate::image::{Pixels, Transfer};
+use crate::source::{ChannelKind, SourceChannel};
+
+#[derive(Clone, Debug)]
+pub struct ChannelForm {
+    pub material: usize,
+    pub slots: Vec<Slot>,
+    pub kind: ChannelKind,
+    pub codec: Codec,
+}
+
+impl ChannelForm {
+    /// As its texture stores it, without an alpha that nobody reads.
+    pub fn of_source(channel: &SourceChannel<'_>) -> Self {
+        let bits = match channel.image.pixels {
+            Pixels::U8(_) => 8,
+            Pixels::U16(_) => 16,
+        };
+        let is_gray = channel.image.components <= 2 && !channel.is_normal();
+        let components = if is_gray { 1 } else { 3 } + u8::from(channel.is_alpha_weighted());
+        Self {
+            material: channel.material,
+            slots: channel.slots.clone(),
+            kind: channel.kind,
+            codec: Codec { transfer: channel.transfer, components, bits },
+        }
+    }
+
+    /// As its file says, without an alpha that the material ignores.
+    pub fn of_colors(asset: &Asset, material: usize, channel: &MeshColorChannel) -> Self {
+        let properties = &asset.materials[material];
+        let has_alpha = channel.components.is_multiple_of(2);
+        let shows_alpha =
+            channel.slots.contains(&Slot::BaseColor) && properties.alpha_mode != AlphaMode::Opaque;
+        let kind = match (channel.slots.contains(&Slot::Normal), has_alpha && shows_alpha) {
+            (true, _) => ChannelKind::Normal { scale: properties.normal_scale },
+            (false, true) => ChannelKind::AlphaWeighted,
+            (false, false) => ChannelKind::Plain,
+        };
+        let is_color = channel.slots.iter().any(|slot| slot.is_color());
+        let codec = Codec {
+            transfer: if is_color { Transfer::Srgb } else { Transfer::Linear },
+            components: channel.components - u8::from(has_alpha && !shows_alpha),
+            bits: channel.bits,
+        };
+        Self { material, slots: channel.slots.clone(), kind, codec }
+    }
+
+    pub fn is_alpha_weighted(&self) -> bool {
+        self.kind == ChannelKind::AlphaWeighted
+    }
+
+    pub fn is_normal(&self) -> bool {
+        matches!(self.kind, ChannelKind::Normal { .. })
+    }
+
+    /// The material's normal scale, of a normal map.
+    pub fn normal_scale(&self) -> Option<f32> {
+        match self.kind {
+            ChannelKind::Normal { scale } => Some(scale),
+            _ => None,
+        }
+    }
+}

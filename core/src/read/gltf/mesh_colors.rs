@@ -1,0 +1,259 @@
+//! `MCT_mesh_colors`: quads of a primitive, and the samples of a material (docs/mesh_colors.md).
+
+use ::gltf::accessor::Dimensions;
+
+use super::super::budget::Budget;
+use super::super::json::At;
+use super::super::text::quoted;
+use super::accessors::{Accessor, Store};
+use super::typed::{finite_floats, whole_numbers};
+use crate::asset::{
+    EXPONENT_MAX, Face, MESH_COLORS_EXTENSION, Material, Mesh, MeshColorChannel, MeshColors, Slot,
+};
+use crate::error::Result;
+
+/// A tangent may be so much longer or shorter than 1.
+const UNIT_TOLERANCE: f32 = 1e-3;
+
+/// Joins triangles that a primitive names as quads.
+pub(super) fn join_quads(
+    primitive: &At,
+    faces: &mut Vec<Face>,
+    store: &Store,
+    budget: &mut Budget,
+) -> Result<()> {
+    let Some(own) = extension(primitive)? else { return Ok(()) };
+    let Some((at, accessor)) = accessor(&own, "quads", store)? else { return Ok(()) };
+    let firsts = whole_numbers(store, accessor, ("quads", Dimensions::Scalar), budget)?;
+    let mut joined = Vec::with_capacity(faces.len());
+    let mut next = 0;
+    for first in firsts.into_iter().map(|first| first as usize) {
+        let pair = first.checked_add(2).and_then(|end| faces.get(first..end)).filter(|_| first >= next);
+        let Some([one, other]) = pair else {
+            return Err(at.error(format!(
+                "triangle {first} cannot begin a quad: its number has to be above those of the quads before it, and there \
+                 are {} triangles",
+                faces.len()
+            )));
+        };
+        let ([a, b, c, _], [d, e, f, _]) = (one.corners, other.corners);
+        if [a, c] != [d, e] {
+            return Err(at.error(format!(
+                "triangles {first} and {} are no quad: the vertices of the two have to be a b c and a c d",
+                first + 1
+            )));
+        }
+        joined.extend_from_slice(&faces[next..first]);
+        joined.push(Face::quad([a, b, c, f]));
+        next = first + 2;
+    }
+    joined.extend_from_slice(&faces[next..]);
+    *faces = joined;
+    Ok(())
+}
+
+/// Puts samples in their materials, and takes textures out of the slots that they are for.
+pub(super) fn read(
+    root: &At,
+    store: &Store,
+    meshes: &[Mesh],
+    materials: &mut [Material],
+    budget: &mut Budget,
+) -> Result<()> {
+    for (number, (at, material)) in root.objects("materials")?.iter().zip(materials).enumerate() {
+        let Some(own) = extension(at)? else { continue };
+        let primitives = meshes.iter().flat_map(|mesh| &mesh.primitives);
+        let faces = primitives.filter(|primitive| primitive.material == Some(number));
+        let counts: Vec<u8> = faces.flat_map(|primitive| &primitive.faces).map(|face| face.count).collect();
+        let colors = read_colors(&own, &counts, store, budget)?;
+        for slot in colors.channels.iter().flat_map(|channel| &channel.slots) {
+            material.slots[*slot as usize] = None;
+        }
+        material.mesh_colors = Some(colors);
+    }
+    Ok(())
+}
+
+fn extension<'a>(at: &At<'a>) -> Result<Option<At<'a>>> {
+    match at.object("extensions")? {
+        Some(extensions) => extensions.object(MESH_COLORS_EXTENSION),
+        None => Ok(None),
+    }
+}
+
+/// The accessor that a member names, with the member's place.
+fn accessor<'a, 's>(at: &At<'a>, key: &str, store: &'s Store) -> Result<Option<(At<'a>, &'s Accessor)>> {
+    let Some(member) = at.get(key) else { return Ok(None) };
+    let index = member.index_below(store.accessors.len(), "accessors")?;
+    Ok(Some((member, &store.accessors[index])))
+}
+
+/// `counts`: corners of the faces of the model.
+fn read_colors(at: &At, counts: &[u8], store: &Store, budget: &mut Budget) -> Result<MeshColors> {
+    let partners = match accessor(at, "partners", store)? {
+        Some((at, accessor)) => {
+            partners(&at, &whole_numbers(store, accessor, ("partners", Dimensions::Scalar), budget)?, counts)?
+        }
+        None => vec![None; counts.len()],
+    };
+    let is_first = |(face, partner): (usize, &Option<u32>)| partner.is_none_or(|other| other as usize > face);
+    let face_count = partners.iter().enumerate().filter(|pair| is_first(*pair)).count();
+    let Some((place, exponents)) = accessor(at, "exponents", store)? else {
+        return Err(at.error("`exponents` is missing"));
+    };
+    let exponents = whole_numbers(store, exponents, ("exponents", Dimensions::Vec2), budget)?;
+    if exponents.len() != 2 * face_count {
+        return Err(place.error(format!(
+            "there are {} pairs of exponents for {face_count} faces (two triangles that are partners are one)",
+            exponents.len() / 2
+        )));
+    }
+    if let Some(&exponent) = exponents.iter().find(|&&exponent| exponent > EXPONENT_MAX.into()) {
+        return Err(place.error(format!("exponent {exponent} is too large; allowed is 0..={EXPONENT_MAX}")));
+    }
+    let exponents = exponents.chunks_exact(2).map(|pair| [pair[0] as u8, pair[1] as u8]).collect();
+    let mut channels: Vec<MeshColorChannel> = Vec::new();
+    for channel in &at.objects("channels")? {
+        let read = read_channel(channel, face_count, store, budget)?;
+        let taken = |slot: &&Slot| channels.iter().any(|known| known.slots.contains(slot));
+        if let Some(slot) = read.slots.iter().find(taken) {
+            return Err(channel.error(format!("{} is in another channel already", slot.gltf_name())));
+        }
+        channels.push(read);
+    }
+    if channels.is_empty() {
+        return Err(at.error("`channels` is missing or empty"));
+    }
+    Ok(MeshColors { partners, exponents, channels })
+}
+
+/// Each face names itself, or the triangle that it is a quad with.
+fn partners(at: &At, numbers: &[u32], counts: &[u8]) -> Result<Vec<Option<u32>>> {
+    if numbers.len() != counts.len() {
+        return Err(at.error(format!(
+            "there are {} partners for the {} triangles and quads of this material",
+            numbers.len(),
+            counts.len()
+        )));
+    }
+    let partner = |(face, &number): (usize, &u32)| {
+        if number as usize == face {
+            return Ok(None);
+        }
+        let is_mutual = numbers.get(number as usize).is_some_and(|&back| back as usize == face);
+        let are_triangles = [face, number as usize].iter().all(|&face| counts.get(face) == Some(&3));
+        if is_mutual && are_triangles {
+            return Ok(Some(number));
+        }
+        Err(at.error(format!(
+            "face {face} names {number} as its partner: partners are two triangles that name each other, and a face without \
+             one names itself"
+        )))
+    };
+    numbers.iter().enumerate().map(partner).collect()
+}
+
+fn read_channel(at: &At, face_count: usize, store: &Store, budget: &mut Budget) -> Result<MeshColorChannel> {
+    let slots = slots(at)?;
+    let components = one_of(at, "components", &[1, 2, 3, 4])?;
+    let bits = one_of(at, "bits", &[8, 16])?;
+    if slots.contains(&Slot::Normal) && components != 3 {
+        return Err(at.error(format!("normals have 3 components, not {components}")));
+    }
+    let Some((_, samples)) = accessor(at, "samples", store)? else {
+        return Err(at.error("`samples` is missing"));
+    };
+    let dimensions = match components {
+        1 => Dimensions::Scalar,
+        2 => Dimensions::Vec2,
+        3 => Dimensions::Vec3,
+        _ => Dimensions::Vec4,
+    };
+    let samples = finite_floats(store, samples, ("samples", dimensions), budget)?;
+    let cuts = match accessor(at, "cuts", store)? {
+        Some((at, accessor)) => {
+            let cuts = whole_numbers(store, accessor, ("cuts", Dimensions::Scalar), budget)?;
+            check_count(&at, cuts.len(), face_count, "one for each face")?;
+            let bits = |&bits: &u32| {
+                u8::try_from(bits).ok().filter(|bits| *bits < 16).ok_or_else(|| {
+                    at.error(format!("{bits} is not a set of edges: bits 0 to 3 stand for edges 0 to 3"))
+                })
+            };
+            cuts.iter().map(bits).collect::<Result<_>>()?
+        }
+        None => Vec::new(),
+    };
+    let tangents = match accessor(at, "tangents", store)? {
+        Some((at, accessor)) => {
+            let numbers = finite_floats(store, accessor, ("tangents", Dimensions::Vec4), budget)?;
+            check_count(&at, numbers.len() / 4, 4 * face_count, "four for each face")?;
+            tangents(&at, &numbers)?
+        }
+        None => Vec::new(),
+    };
+    Ok(MeshColorChannel { slots, components, bits, cuts, samples, tangents })
+}
+
+fn slots(at: &At) -> Result<Vec<Slot>> {
+    let mut slots = Vec::new();
+    for name in at.list("slots")? {
+        let name = name.as_str().unwrap_or_default();
+        let slot = Slot::ALL.into_iter().find(|slot| slot.gltf_name() == name).ok_or_else(|| {
+            let names = Slot::ALL.map(Slot::gltf_name).join(", ");
+            at.error(format!("{} is not a slot; slots are {names}", quoted(name)))
+        })?;
+        slots.push(slot);
+    }
+    slots.sort_unstable();
+    let count = slots.len();
+    slots.dedup();
+    if slots.is_empty() || slots.len() != count {
+        return Err(at.error("`slots` has to name at least one slot, and each once"));
+    }
+    let is_apart = |one: Slot| one == Slot::Normal || one.is_color() != slots[0].is_color();
+    if slots[1..].iter().any(|&slot| is_apart(slot)) || slots.len() > 1 && slots[0] == Slot::Normal {
+        return Err(at.error("slots of one channel hold one kind of thing: color, data, or normals"));
+    }
+    Ok(slots)
+}
+
+fn one_of(at: &At, key: &str, allowed: &[usize]) -> Result<u8> {
+    let number = at.need_size(key)?;
+    if allowed.contains(&number) {
+        return Ok(number as u8);
+    }
+    let allowed: Vec<String> = allowed.iter().map(usize::to_string).collect();
+    Err(at.error(format!("`{key}` is {number}; allowed: {}", allowed.join(", "))))
+}
+
+fn check_count(at: &At, count: usize, wanted: usize, rule: &str) -> Result<()> {
+    if count == wanted {
+        return Ok(());
+    }
+    Err(at.error(format!("there are {count} entries; {wanted} are needed, {rule}")))
+}
+
+/// Each all zero, or of unit length with a handedness.
+fn tangents(at: &At, numbers: &[f32]) -> Result<Vec<[[f32; 4]; 4]>> {
+    let tangent = |(number, four): (usize, &[f32])| {
+        let tangent = [four[0], four[1], four[2], four[3]];
+        let length = four[..3].iter().map(|x| x * x).sum::<f32>().sqrt();
+        let is_unit = (length - 1.0).abs() <= UNIT_TOLERANCE && four[3].abs() == 1.0;
+        if is_unit || tangent == [0.0; 4] {
+            return Ok(tangent);
+        }
+        Err(at.error(format!(
+            "tangent {number} is neither zero nor of unit length with a handedness of 1 or -1"
+        )))
+    };
+    let all: Vec<[f32; 4]> = numbers.chunks_exact(4).enumerate().map(tangent).collect::<Result<_>>()?;
+    let of_face = |(face, four): (usize, &[[f32; 4]])| {
+        let four = [four[0], four[1], four[2], four[3]];
+        let handedness = four.map(|tangent| tangent[3]);
+        if handedness.iter().any(|own| *own != handedness[0]) {
+            return Err(at.error(format!("the tangents of face {face} differ in handedness")));
+        }
+        Ok(four)
+    };
+    all.chunks_exact(4).enumerate().map(of_face).collect()
+}
