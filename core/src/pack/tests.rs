@@ -241,7 +241,7 @@ fn blocks_come_apart_where_there_are_too_many_classes() {
     let exponents = |face: usize| [[1, 1], [2, 2], [3, 3]][face / 5 % 3];
     let sheet = Sheet::new(sheet(5, &[(0, false)], 0), (0..25).map(exponents).collect(), |_, _| 1);
     let painted = sheet.painted();
-    let all = || super::blocks(0, &painted, &vec![None; 25]);
+    let all = || super::blocks(0, &painted, &[None; 25]);
     let counts = |blocks: &[Block]| {
         let mut counts: BTreeMap<([u32; 2], [u8; 2]), usize> = BTreeMap::new();
         for block in blocks {
