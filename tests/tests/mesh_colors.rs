@@ -1,13 +1,17 @@
 //! `MCT_mesh_colors`: converting what `--mesh-colors` wrote gives the `asset.glb` that the source gave.
 
 use std::path::Path;
+use std::process::Command;
 
-use meshcolor::pipeline::{Conversion, Options, convert};
+use meshcolor::measure::SubjectKind;
+use meshcolor::pipeline::{Conversion, Coordinates, Options, check, convert};
 use meshcolor::read::{Limits, Upload};
 use meshcolor::watch::Unwatched;
 use meshcolor::{Error, ErrorCode};
 use meshcolor_tests::cases::{self, Case};
+use meshcolor_tests::reading::shown_codes_of;
 use meshcolor_tests::{hard, models, validator};
+use serde_json::{Value, json};
 
 /// What their source has wrong stays: a material that reads a set of coordinates which a primitive lacks.
 const FAULTY: [&str; 1] = ["texcoord_missing"];
@@ -79,7 +83,7 @@ fn real_models_go_round() {
 fn with_4d_coordinates_too() {
     for name in ["Fox", "spot"] {
         let Some(upload) = models::upload(name) else { continue };
-        let options = Options { coordinates: meshcolor::pipeline::Coordinates::Scaled, ..Options::default() };
+        let options = Options { coordinates: Coordinates::Scaled, ..Options::default() };
         assert_eq!(trip(name, &upload, &options, &Limits::default()), Some(Ok(())));
     }
 }
@@ -99,5 +103,206 @@ fn budgets_are_refused() {
     for (options, pointer) in refused {
         let error = converted(&upload(), &options, &Limits::default()).err().unwrap();
         assert_eq!((error.code, error.pointer.as_deref()), (ErrorCode::InvalidOptions, Some(pointer)));
+    }
+}
+
+/// A GLB with another JSON and the same binary chunk.
+fn edited(glb: &[u8], edit: &dyn Fn(&mut Value)) -> Vec<u8> {
+    let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
+    let rest = &glb[20 + word(12)..];
+    let mut json: Value = serde_json::from_slice(&glb[20..20 + word(12)]).unwrap();
+    edit(&mut json);
+    let mut text = serde_json::to_vec(&json).unwrap();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut made = glb[..8].to_vec();
+    for length in [20 + text.len() + rest.len(), text.len()] {
+        made.extend((length as u32).to_le_bytes());
+    }
+    made.extend(&glb[16..20]);
+    made.extend(text);
+    made.extend(rest);
+    made
+}
+
+/// An edit, and words of the place and of the reason that the error has to have.
+type Mistake = (&'static str, fn(&mut Value), &'static str, &'static str);
+
+const MISTAKES: &[Mistake] = &[
+    (
+        "no exponents",
+        |own| drop(own.as_object_mut().unwrap().remove("exponents")),
+        "/MCT_mesh_colors",
+        "`exponents` is missing",
+    ),
+    (
+        "exponents of another count",
+        |own| own["exponents"] = own["channels"][0]["samples"].clone(),
+        "/accessors/",
+        "exponents must be Vec2",
+    ),
+    (
+        "an accessor that is not there",
+        |own| own["exponents"] = 999.into(),
+        "/exponents",
+        "999 is out of range",
+    ),
+    (
+        "partners of another count",
+        |own| own["partners"] = 0.into(),
+        "/accessors/0",
+        "partners must be Scalar",
+    ),
+    ("no channels", |own| own["channels"] = json!([]), "/MCT_mesh_colors", "`channels` is missing or empty"),
+    (
+        "an unknown slot",
+        |own| own["channels"][0]["slots"] = json!(["sheen"]),
+        "/channels/0",
+        "is not a slot; slots are",
+    ),
+    ("no slot", |own| own["channels"][0]["slots"] = json!([]), "/channels/0", "at least one slot"),
+    (
+        "a slot twice",
+        |own| own["channels"][0]["slots"] = json!(["normalTexture", "normalTexture"]),
+        "/channels/0",
+        "each once",
+    ),
+    (
+        "a normal beside color",
+        |own| own["channels"][0]["slots"] = json!(["baseColorTexture", "normalTexture"]),
+        "/channels/0",
+        "one kind of thing",
+    ),
+    (
+        "color beside data",
+        |own| own["channels"][0]["slots"] = json!(["baseColorTexture", "occlusionTexture"]),
+        "/channels/0",
+        "one kind of thing",
+    ),
+    (
+        "a slot in two channels",
+        |own| {
+            let first = own["channels"][0].clone();
+            own["channels"].as_array_mut().unwrap().push(first);
+        },
+        "/channels/1",
+        "in another channel",
+    ),
+    (
+        "five components",
+        |own| own["channels"][0]["components"] = 5.into(),
+        "/channels/0",
+        "`components` is 5; allowed: 1, 2, 3, 4",
+    ),
+    (
+        "one component",
+        |own| own["channels"][0]["components"] = 1.into(),
+        "/accessors/",
+        "samples must be Scalar",
+    ),
+    (
+        "twelve bits",
+        |own| own["channels"][0]["bits"] = 12.into(),
+        "/channels/0",
+        "`bits` is 12; allowed: 8, 16",
+    ),
+    (
+        "no samples",
+        |own| drop(own["channels"][0].as_object_mut().unwrap().remove("samples")),
+        "/channels/0",
+        "`samples` is missing",
+    ),
+    (
+        "cuts that are samples",
+        |own| own["channels"][0]["cuts"] = own["channels"][0]["samples"].clone(),
+        "/accessors/",
+        "cuts must be",
+    ),
+    (
+        "cuts of another count",
+        |own| own["channels"][0]["cuts"] = own["quads"].clone(),
+        "/channels/0/cuts",
+        "entries; ",
+    ),
+];
+
+/// What a file says wrong is refused with its place, and nothing panics.
+#[test]
+fn mistakes_have_their_place() {
+    let folder = cases::folder().join("obj_quad_and_triangle");
+    let case = Case::load(&folder);
+    let options = Options { mesh_colors: true, ..Options::default() };
+    let there = converted(&case.upload(&folder), &options, &Limits::default()).unwrap();
+    let glb = file(&there, "mesh_colors.glb");
+    let read = |glb: Vec<u8>| {
+        check(&Upload::single("mesh_colors.glb", glb), &Options::default(), &Limits::default(), &Unwatched)
+    };
+    let report = read(edited(glb, &|_| {})).unwrap();
+    assert_eq!((report.kind, report.mesh_colors.len()), (SubjectKind::MeshColors, 1));
+    for (what, mistake, place, reason) in MISTAKES {
+        let edit = |json: &mut Value| {
+            let quads = json["meshes"][0]["primitives"][0]["extensions"]["MCT_mesh_colors"]["quads"].clone();
+            let own = &mut json["materials"][0]["extensions"]["MCT_mesh_colors"];
+            own["quads"] = quads;
+            mistake(own);
+        };
+        let error = read(edited(glb, &edit)).err().unwrap_or_else(|| panic!("{what} is read"));
+        let pointer = error.pointer.clone().unwrap_or_default();
+        assert!(
+            error.code == ErrorCode::InvalidModel && pointer.contains(place) && error.detail.contains(reason),
+            "{what}: {error}"
+        );
+    }
+}
+
+/// Samples that are too few or too many for the faces are told by count.
+#[test]
+fn samples_are_counted() {
+    let folder = cases::folder().join("obj_quad_and_triangle");
+    let case = Case::load(&folder);
+    let options = Options { mesh_colors: true, ..Options::default() };
+    let there = converted(&case.upload(&folder), &options, &Limits::default()).unwrap();
+    let edit = |json: &mut Value| {
+        let samples = json["materials"][0]["extensions"]["MCT_mesh_colors"]["channels"][0]["samples"].clone();
+        let accessor = &mut json["accessors"][samples.as_u64().unwrap() as usize];
+        accessor["count"] = (accessor["count"].as_u64().unwrap() - 1).into();
+    };
+    let upload = Upload::single("mesh_colors.glb", edited(file(&there, "mesh_colors.glb"), &edit));
+    let error = converted(&upload, &Options::default(), &Limits::default()).err().unwrap();
+    assert_eq!(error.pointer.as_deref(), Some("/materials/0"));
+    assert!(error.detail.contains("samples, and ") && error.detail.contains("baseColorTexture"), "{error}");
+}
+
+/// The script of docs/mesh_colors.md, as it stands there.
+#[test]
+fn the_cube_of_the_docs_converts() {
+    let page = meshcolor_tests::repository::file("docs/mesh_colors.md");
+    let script = page.split_once("<!-- cube -->").and_then(|(_, rest)| rest.split_once("```python\n"));
+    let (script, _) = script.and_then(|(_, rest)| rest.split_once("```")).expect("the page has the script");
+    let folder = std::env::temp_dir().join(format!("meshcolor-cube-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let run = Command::new("python3").args(["-c", script]).current_dir(&folder).status();
+    let glb = std::fs::read(folder.join("cube.glb"));
+    std::fs::remove_dir_all(&folder).unwrap();
+    let Ok(status) = run else {
+        assert!(!meshcolor_tests::requires_tools(), "python3 is missing");
+        println!("skipped: the cube (no python3)");
+        return;
+    };
+    assert!(status.success());
+    let glb = glb.unwrap();
+    validator::expect_valid("cube", &glb, false);
+    let upload = Upload::single("cube.glb", glb);
+    let cube = converted(&upload, &Options::default(), &Limits::default()).unwrap();
+    validator::expect_valid("cube, converted", file(&cube, "asset.glb"), false);
+    // Color is place, and at corners 0 and 1 are codes too.
+    let positions = &cube.asset.meshes[0].primitives[0].positions;
+    for primitive in &cube.finished.primitives {
+        for (number, triangle) in primitive.triangles.iter().enumerate() {
+            for k in 0..3 {
+                let shown = shown_codes_of(&cube.finished.textures[0], 0, primitive.place(number, k, 0));
+                let wanted = (positions[triangle.vertices[k] as usize] * 0.5 + 0.5) * 255.0;
+                assert!(shown.abs_diff_eq(wanted, 1e-3), "triangle {number}: {shown}, not {wanted}");
+            }
+        }
     }
 }

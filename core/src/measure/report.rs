@@ -7,7 +7,8 @@ use crate::error::Warning;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
-    /// `converted` for a conversion or a converted file, `source` for a plain model.
+    /// `converted` for a conversion or a converted file, `source` for a plain model, `mesh_colors` for one whose materials have
+    /// these instead of textures.
     pub kind: SubjectKind,
     pub engine_version: String,
     pub verdict: Verdict,
@@ -25,6 +26,25 @@ pub struct Report {
     /// Channels with levels in blocks (`compress`).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub compression: Vec<CompressionReport>,
+    /// Of a file with mesh colors that was checked: every channel of every material that has them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mesh_colors: Vec<MeshColorsReport>,
+}
+
+/// A channel of mesh colors that fits its faces.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MeshColorsReport {
+    /// Index into the model's materials.
+    pub material: usize,
+    /// glTF slot names.
+    pub slots: Vec<String>,
+    /// Triangles and quads; two triangles that are one quad count once.
+    pub face_count: u64,
+    pub sample_count: u64,
+    /// Of a sample.
+    pub components: u8,
+    /// Edges whose two sides have samples of their own.
+    pub cut_edge_count: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -32,6 +52,7 @@ pub struct Report {
 pub enum SubjectKind {
     Source,
     Converted,
+    MeshColors,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

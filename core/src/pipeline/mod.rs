@@ -177,10 +177,11 @@ fn convert_materials(
     Ok((converted?, sets))
 }
 
-/// Measures a model: a converted file by its own coordinates, a plain source by its mip maps.
+/// Measures a model: a converted file by its own coordinates, a plain source by its mip maps. Of mesh colors it holds faces, exponents,
+/// cuts and samples against each other.
 ///
 /// # Errors
-/// Input errors of [`crate::read::read`], and `InvalidModel` where a converted file contradicts itself.
+/// Input errors of [`crate::read::read`], and `InvalidModel` where a converted file or mesh colors contradict themselves.
 pub fn check(upload: &Upload, options: &Options, limits: &Limits, watch: &dyn Watch) -> Result<Report> {
     watch.stage(Stage::Read);
     let asset = read(upload, limits, watch)?;
@@ -193,8 +194,10 @@ pub fn check(upload: &Upload, options: &Options, limits: &Limits, watch: &dyn Wa
             report::of_check(&asset, SubjectKind::Converted, Some(&finished), measured, options)
         }
         None => {
+            let mesh_colors = painted::checked(&asset)?;
+            let kind = if mesh_colors.is_empty() { SubjectKind::Source } else { SubjectKind::MeshColors };
             let measured = measure::source(&asset, watch)?;
-            report::of_check(&asset, SubjectKind::Source, None, measured, options)
+            Report { mesh_colors, ..report::of_check(&asset, kind, None, measured, options) }
         }
     };
     watch.progress(1.0);

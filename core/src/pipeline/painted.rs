@@ -9,11 +9,13 @@ use crate::colors::{ChannelTopology, Cuts, Resolutions, Shape};
 use crate::error::{Error, Result};
 use crate::image::{Image, Pixels};
 use crate::math::frame::Frame;
+use crate::measure::MeshColorsReport;
 use crate::mesh::{CanvasFace, CanvasMesh, Side, merge};
 use crate::write::PaintedMaterial;
 
 use super::form::ChannelForm;
 use super::material::MaterialConversion;
+use super::prepare::canvas_of;
 
 /// Mesh colors on their canvas, the samples of which are as many as its faces ask for.
 pub struct Painted<'a> {
@@ -61,6 +63,30 @@ pub fn restore(canvas: CanvasMesh, colors: &MeshColors, has_textures: bool) -> R
         })?);
     }
     Ok(Restored { canvas, cuts, painted: Painted { colors, resolutions } })
+}
+
+/// Every channel of mesh colors of a model, each held against its faces.
+///
+/// # Errors
+/// As [`restore`].
+pub fn checked(asset: &Asset) -> Result<Vec<MeshColorsReport>> {
+    let mut reports = Vec::new();
+    for (material, properties) in asset.materials.iter().enumerate() {
+        let Some(colors) = &properties.mesh_colors else { continue };
+        let has_textures = properties.slots.iter().any(Option::is_some);
+        let restored = restore(canvas_of(asset, material), colors, has_textures)
+            .map_err(|error| error.at(format!("/materials/{material}")))?;
+        let of_channel = |(channel, cuts): (&MeshColorChannel, &Cuts)| MeshColorsReport {
+            material,
+            slots: channel.slots.iter().map(|slot| slot.gltf_name().to_owned()).collect(),
+            face_count: restored.canvas.faces.len() as u64,
+            sample_count: (channel.samples.len() / usize::from(channel.components)) as u64,
+            components: channel.components,
+            cut_edge_count: cuts.edges.iter().filter(|cut| **cut).count() as u64,
+        };
+        reports.extend(colors.channels.iter().zip(&restored.cuts).map(of_channel));
+    }
+    Ok(reports)
 }
 
 fn slot_names(channel: &MeshColorChannel) -> String {

@@ -93,7 +93,8 @@ impl<'a> Prepared<'a> {
     }
 }
 
-fn canvas_of(asset: &Asset, material: usize) -> CanvasMesh {
+/// The faces of a material, over all meshes, as the asset has them.
+pub fn canvas_of(asset: &Asset, material: usize) -> CanvasMesh {
     let primitives = asset.meshes.iter().zip(0u32..).flat_map(|(mesh, mesh_number)| {
         mesh.primitives.iter().zip(0u32..).map(move |(primitive, number)| (mesh_number, number, primitive))
     });

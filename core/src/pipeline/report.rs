@@ -153,6 +153,7 @@ pub fn of_check(
         growth,
         effects: Vec::new(),
         compression: Vec::new(),
+        mesh_colors: Vec::new(),
     }
 }
 

@@ -13,6 +13,7 @@ pub fn table(path: &str, report: &Report) -> String {
     let kind = match report.kind {
         SubjectKind::Source => "source",
         SubjectKind::Converted => "converted",
+        SubjectKind::MeshColors => "mesh colors",
     };
     let verdict = match report.verdict {
         Verdict::Pass => "pass",
@@ -39,6 +40,18 @@ pub fn table(path: &str, report: &Report) -> String {
     }
     for channel in &report.channels {
         describe_channel(&mut out, channel);
+    }
+    for channel in &report.mesh_colors {
+        let _ = writeln!(
+            out,
+            "  material {}, {}: {} samples of {} components on {} faces, {} edges cut",
+            channel.material,
+            channel.slots.join(", "),
+            channel.sample_count,
+            channel.components,
+            channel.face_count,
+            channel.cut_edge_count
+        );
     }
     out.push_str(&compression(report));
     out
@@ -205,6 +218,7 @@ pub(super) fn sample_report() -> Report {
                 is_refitted: true,
             }],
         }],
+        mesh_colors: vec![],
     }
 }
 

@@ -106,7 +106,12 @@ pub fn notes(conversion: &Conversion, scene: &Scene<'_>, has_close_up: bool) -> 
     if scene.triangle_count() == 0 {
         notes.push("The default scene has no triangles to draw.".to_owned());
     }
-    if !has_close_up {
+    if conversion.asset.materials.iter().any(|material| material.mesh_colors.is_some()) {
+        notes.push(
+            "The source has mesh colors and no pictures of them: its column shows the material without them."
+                .to_owned(),
+        );
+    } else if !has_close_up {
         notes.push(
             "No close-up: the source has no seam whose two sides agree at level 0 and part in its mip maps."
                 .to_owned(),

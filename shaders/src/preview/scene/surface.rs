@@ -92,19 +92,19 @@ impl Surface {
         let material = &asset.materials[index];
         let mut surface = Self::plain(material);
         for slot in Slot::ALL {
-            let Some(reference) = material.slot(slot) else { continue };
             let converted = finished.and_then(|(finished, part)| {
                 finished.textures.iter().position(|t| t.is_of(index, part) && t.slots.contains(&slot))
             });
-            surface.bindings[slot as usize] = Some(match converted {
-                Some(texture) => Binding { texture, coordinate: Coordinate::Mesh },
-                None => {
+            surface.bindings[slot as usize] = match (converted, material.slot(slot)) {
+                (Some(texture), _) => Some(Binding { texture, coordinate: Coordinate::Mesh }),
+                (None, Some(reference)) => {
                     let texture = list.source(reference.image, slot.is_color());
                     let set = UvSet { texcoord: reference.texcoord, transform: reference.transform };
                     let set = surface.uv_set(set);
-                    Binding { texture, coordinate: Coordinate::Uv { set, wrap: reference.wrap } }
+                    Some(Binding { texture, coordinate: Coordinate::Uv { set, wrap: reference.wrap } })
                 }
-            });
+                (None, None) => None,
+            };
         }
         surface
     }
