@@ -55,6 +55,9 @@ pub struct FinishedChannel {
     pub stored: Vec<StoredReport>,
     pub is_alpha_weighted: bool,
     pub keeps_coverage: bool,
+    /// The samples of every level as they were stored, to hold the level images against.
+    #[cfg(test)]
+    pub samples: Vec<Vec<Vec4>>,
 }
 
 /// Buffers for the samples of levels, which go from channel to channel: fresh memory costs as much as what is
@@ -140,6 +143,8 @@ fn unfinished(input: &ChannelInput<'_>, fit: Option<Fit>) -> FinishedChannel {
         stored: Vec::new(),
         is_alpha_weighted: input.channel.is_alpha_weighted(),
         keeps_coverage: input.mask_cutoff.is_some(),
+        #[cfg(test)]
+        samples: Vec::new(),
     }
 }
 
@@ -183,6 +188,8 @@ fn finish_level(
     }
     finished.levels.push(image);
     finished.sample_counts.push(numbering.sample_count() as u64);
+    #[cfg(test)]
+    finished.samples.push(wanted.samples.clone());
     Ok(wanted.samples)
 }
 
