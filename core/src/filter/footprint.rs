@@ -12,7 +12,7 @@ pub const PROBES_MAX: u32 = 16;
 /// So much longer than wide still counts as round, lest rounding ask for a probe more.
 const ROUND: f32 = 1e-3;
 
-/// How far `(s, t)` of a face moves from one pixel to the next: to the right, and down.
+/// How far `(s, t)` of a face moves from one pixel to the next: to the right, and down. Finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Footprint {
     pub axes: [Vec2; 2],

@@ -39,7 +39,8 @@ pub enum Triangles<'a> {
     Linear,
     /// What a bilinear unit makes of a triangle that stands as half a square of texels (MCT 3.1): bilinear in whole
     /// cells, linear in those that the diagonal cuts. By face: the corner at the right angle, below 3. It differs from
-    /// `Linear` by a quarter of `c00 + c11 - c10 - c01` of a cell at most, in its middle, and nowhere on grid lines.
+    /// `Linear` by a quarter of `c00 + c11 - c10 - c01` of a whole cell at most, in its middle, and not at all on lines
+    /// between samples along the two sides at the right angle.
     HalfSquares(&'a [u8]),
 }
 

@@ -234,8 +234,8 @@ fn nearest_samples_are_the_nearest() {
     });
 }
 
-/// Half squares show `x y` of a whole cell's twist more than three samples do, and what they show of a cut cell and of lines
-/// between samples is the same.
+/// Half squares show so much of a whole cell's twist more than three samples do: nothing on its sides, a quarter in its
+/// middle. What they show of a cut cell is the same.
 #[test]
 fn half_squares_differ_by_the_twist_of_whole_cells() {
     let case = Case::new(sheet(), Resolutions::uniform([3, 3, 3, 3]));

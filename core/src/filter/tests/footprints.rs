@@ -120,7 +120,7 @@ fn footprints_end_where_the_face_does() {
                 let steps = (-2000..=2000).map(|step| step as f32 / 4000.0);
                 let mut kept = steps.filter(|part| inside(face, at + long * *part));
                 let low = kept.next().unwrap();
-                let middle = 0.5 * (low + kept.last().unwrap_or(low));
+                let middle = 0.5 * (low + kept.next_back().unwrap_or(low));
                 let wanted = plane(case.position(face, at + long * middle), 0);
                 assert!(
                     (found - wanted).abs().max_element() < 2e-3,

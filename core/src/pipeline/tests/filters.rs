@@ -36,8 +36,8 @@ const BOUND_16_BITS: f32 = 0.005;
 struct Seen {
     /// Against the filter that reads triangles as a bilinear unit does.
     worst: f32,
-    /// Against MC 4.1 where both are the same function: on quads, on lines between samples, in cells that a
-    /// diagonal cuts, and beyond vertex colors.
+    /// Against MC 4.1 where both are the same function: on quads, on the sides of a triangle's cells, in cells
+    /// that a diagonal cuts, and beyond vertex colors.
     worst_same: f32,
     /// Against MC 4.1 in whole cells of triangles, where they are not.
     worst_whole: f32,
