@@ -18,6 +18,8 @@ pub mod mesh;
 
 pub mod colors;
 
+pub mod filter;
+
 pub mod asset;
 
 pub mod read;

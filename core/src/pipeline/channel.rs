@@ -55,6 +55,9 @@ pub struct FinishedChannel {
     /// Of levels in a range.
     pub stored: Vec<StoredReport>,
     pub keeps_coverage: bool,
+    /// The samples of every level as they were stored, to hold the level images against.
+    #[cfg(test)]
+    pub samples: Vec<Vec<Vec4>>,
 }
 
 /// Buffers for the samples of levels, which go from channel to channel: fresh memory costs as much as what is
@@ -138,6 +141,8 @@ fn unfinished(input: &ChannelInput<'_>, fit: Option<Fit>) -> FinishedChannel {
         fit,
         stored: Vec::new(),
         keeps_coverage: input.mask_cutoff.is_some(),
+        #[cfg(test)]
+        samples: Vec::new(),
     }
 }
 
@@ -181,6 +186,8 @@ fn finish_level(
     }
     finished.levels.push(image);
     finished.sample_counts.push(numbering.sample_count() as u64);
+    #[cfg(test)]
+    finished.samples.push(wanted.samples.clone());
     Ok(wanted.samples)
 }
 

@@ -1,5 +1,7 @@
 //! Invariants of the whole conversion, on random meshes with random textures: the worst that a source can be.
 
+mod filters;
+
 use std::collections::HashMap;
 
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
