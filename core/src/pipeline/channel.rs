@@ -43,7 +43,7 @@ pub struct FinishedChannel {
     pub cuts: Cuts,
     /// Of level 0, before anything was changed to be stored: the components that are stored, one after the other. Empty where nobody
     /// asked for them.
-    pub samples: Vec<f32>,
+    pub finest_samples: Vec<f32>,
     pub levels: Vec<Image>,
     /// Of levels that are stored in one.
     pub ranges: BTreeMap<usize, LevelRange>,
@@ -133,7 +133,7 @@ fn unfinished(input: &ChannelInput<'_>, fit: Option<Fit>) -> FinishedChannel {
     FinishedChannel {
         form: input.form.clone(),
         cuts: Cuts { edges: Vec::new() },
-        samples: Vec::new(),
+        finest_samples: Vec::new(),
         levels: Vec::new(),
         ranges: BTreeMap::new(),
         sample_counts: Vec::new(),

@@ -79,7 +79,7 @@ pub fn convert_material(
             rounding: options.rounding,
         };
         let channel = finish_channel(input, numbering, samples, &mut rooms, watch)?;
-        finished.push(FinishedChannel { samples: kept, ..channel });
+        finished.push(FinishedChannel { finest_samples: kept, ..channel });
         progress.advance(1.0 / channels.len() as f32);
     }
     drop(content);

@@ -230,7 +230,7 @@ fn mesh_colors(asset: &Asset, conversion: &mut MaterialConversion) -> MeshColors
             components: channel.form.codec.components,
             bits: channel.form.codec.bits,
             cuts: if cuts.iter().any(|&bits| bits != 0) { cuts } else { Vec::new() },
-            samples: std::mem::take(&mut channel.samples),
+            samples: std::mem::take(&mut channel.finest_samples),
             tangents: if is_given { given_frames.iter().map(tangent).collect() } else { Vec::new() },
         }
     });

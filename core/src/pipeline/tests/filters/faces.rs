@@ -64,7 +64,7 @@ impl<'a> Faces<'a> {
     /// The texture that a face reads of a channel.
     pub fn texture(&self, face: usize, channel: usize) -> &'a FinishedTexture {
         let part = self.spots[face][0].0.part;
-        let slots = &self.conversion.channels[channel].slots;
+        let slots = &self.conversion.channels[channel].form.slots;
         let mut all = self.finished.textures_of(self.conversion.material, part);
         all.find(|(_, texture)| texture.slots == *slots).unwrap().1
     }
