@@ -217,6 +217,7 @@ fn report() -> Report {
         growth: Growth::default(),
         effects: vec![],
         compression: Vec::new(),
+        mesh_colors: Vec::new(),
     }
 }
 
