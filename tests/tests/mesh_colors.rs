@@ -272,6 +272,30 @@ fn samples_are_counted() {
     assert!(error.detail.contains("samples, and ") && error.detail.contains("baseColorTexture"), "{error}");
 }
 
+/// What no texture slot can hold is told, and taken as the nearest that it can.
+#[test]
+fn samples_out_of_range_are_told() {
+    let folder = cases::folder().join("obj_quad_and_triangle");
+    let case = Case::load(&folder);
+    let options = Options { mesh_colors: true, ..Options::default() };
+    let there = converted(&case.upload(&folder), &options, &Limits::default()).unwrap();
+    let mut glb = file(&there, "mesh_colors.glb").to_vec();
+    assert_eq!(there.report.warnings.len(), 0);
+    let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
+    let json: Value = serde_json::from_slice(&glb[20..20 + word(12)]).unwrap();
+    let samples = &json["materials"][0]["extensions"]["MCT_mesh_colors"]["channels"][0]["samples"];
+    let view = &json["accessors"][samples.as_u64().unwrap() as usize]["bufferView"];
+    let view = &json["bufferViews"][view.as_u64().unwrap() as usize];
+    let first = 28 + word(12) + view["byteOffset"].as_u64().unwrap() as usize;
+    glb[first..first + 4].copy_from_slice(&9.0f32.to_le_bytes());
+    let upload = Upload::single("mesh_colors.glb", glb);
+    let back = converted(&upload, &options, &Limits::default()).unwrap();
+    let codes: Vec<_> = back.report.warnings.iter().map(|warning| warning.code.as_str()).collect();
+    assert_eq!(codes, ["mesh_color_out_of_range"]);
+    let again = Upload::single("mesh_colors.glb", file(&back, "mesh_colors.glb").to_vec());
+    assert!(converted(&again, &options, &Limits::default()).unwrap().report.warnings.is_empty());
+}
+
 /// The script of docs/mesh_colors.md, as it stands there.
 #[test]
 fn the_cube_of_the_docs_converts() {

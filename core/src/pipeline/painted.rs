@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{Vec3, Vec4};
 
-use crate::asset::{Asset, MeshColorChannel, MeshColors};
+use crate::asset::{Asset, MeshColorChannel, MeshColors, Slot};
 use crate::colors::{ChannelTopology, Cuts, Resolutions, Shape};
 use crate::error::{Error, Result};
 use crate::image::{Image, Pixels};
@@ -156,9 +156,10 @@ fn check_count(
 }
 
 impl Painted<'_> {
-    /// The samples of a channel by their numbers.
+    /// The samples of a channel by their numbers, color and data within [0, 1].
     pub fn samples(&self, channel: usize) -> Vec<Vec4> {
         let channel = &self.colors.channels[channel];
+        let is_normal = channel.slots.contains(&Slot::Normal);
         let sample = |stored: &[f32]| match *stored {
             [gray] => Vec4::new(gray, gray, gray, 1.0),
             [gray, alpha] => Vec4::new(gray, gray, gray, alpha),
@@ -166,7 +167,12 @@ impl Painted<'_> {
             [r, g, b, alpha, ..] => Vec4::new(r, g, b, alpha),
             [] => Vec4::W,
         };
-        channel.samples.chunks_exact(usize::from(channel.components)).map(sample).collect()
+        let in_range = |value: Vec4| match is_normal {
+            true => value,
+            false => value.clamp(Vec4::ZERO, Vec4::ONE),
+        };
+        let stored = channel.samples.chunks_exact(usize::from(channel.components));
+        stored.map(|stored| in_range(sample(stored))).collect()
     }
 
     /// By face: the frames that its normals are to be stored in, if it says.

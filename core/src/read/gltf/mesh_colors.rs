@@ -2,6 +2,7 @@
 
 use ::gltf::accessor::Dimensions;
 
+use super::super::Context;
 use super::super::budget::Budget;
 use super::super::json::At;
 use super::super::text::quoted;
@@ -14,6 +15,8 @@ use crate::error::Result;
 
 /// A tangent may be so much longer or shorter than 1.
 const UNIT_TOLERANCE: f32 = 1e-3;
+
+const OUT_OF_RANGE: &str = "channels with samples outside of [0, 1], which is all that a texture slot holds; the nearest in it are taken";
 
 /// Joins triangles that a primitive names as quads.
 pub(super) fn join_quads(
@@ -58,14 +61,21 @@ pub(super) fn read(
     store: &Store,
     meshes: &[Mesh],
     materials: &mut [Material],
-    budget: &mut Budget,
+    context: &mut Context,
 ) -> Result<()> {
     for (number, (at, material)) in root.objects("materials")?.iter().zip(materials).enumerate() {
         let Some(own) = extension(at)? else { continue };
         let primitives = meshes.iter().flat_map(|mesh| &mesh.primitives);
         let faces = primitives.filter(|primitive| primitive.material == Some(number));
         let counts: Vec<u8> = faces.flat_map(|primitive| &primitive.faces).map(|face| face.count).collect();
-        let colors = read_colors(&own, &counts, store, budget)?;
+        let colors = read_colors(&own, &counts, store, &mut context.budget)?;
+        let leaves_range = |channel: &&MeshColorChannel| {
+            !channel.slots.contains(&Slot::Normal)
+                && channel.samples.iter().any(|value| !(0.0..=1.0).contains(value))
+        };
+        for _ in colors.channels.iter().filter(leaves_range) {
+            context.warnings.add("mesh_color_out_of_range", &own.pointer, OUT_OF_RANGE);
+        }
         for slot in colors.channels.iter().flat_map(|channel| &channel.slots) {
             material.slots[*slot as usize] = None;
         }

@@ -40,7 +40,7 @@ pub(super) fn read(json: Value, bin: Option<&[u8]>, context: &mut Context) -> Re
     let mut materials = materials::read(&root, &mut context.warnings)?;
     let instances = scene::read(&root, context.budget.limits)?;
     let meshes = primitives::read(&root, &store, context)?;
-    mesh_colors::read(&root, &store, &meshes, &mut materials, &mut context.budget)?;
+    mesh_colors::read(&root, &store, &meshes, &mut materials, context)?;
 
     let wanted = materials::wanted_images(&root, &materials, encoded_images.len());
     let decoded = images::decode_all(&encoded_images, &wanted, |index| format!("/images/{index}"), context)?;
