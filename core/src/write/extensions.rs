@@ -7,10 +7,16 @@ use serde_json::{Map, Value};
 use crate::finished::EXTENSION;
 
 use super::draft::Draft;
+use super::in_use;
 
 /// Extensions that go out of use where conversion replaced the last thing that had them.
-const MAY_LEAVE: [&str; 3] =
-    ["KHR_texture_transform", "KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+const MAY_LEAVE: [&str; 5] = [
+    "KHR_texture_transform",
+    "KHR_draco_mesh_compression",
+    "KHR_mesh_quantization",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+];
 
 /// The name of every extension object in the draft, extras left out.
 pub fn names(draft: &Draft<'_>) -> BTreeSet<String> {
@@ -29,7 +35,8 @@ pub fn names(draft: &Draft<'_>) -> BTreeSet<String> {
 
 /// Brings `extensionsUsed` and `extensionsRequired` up to date.
 pub fn settle(draft: &mut Draft<'_>, converted: bool) {
-    let in_use = names(draft);
+    let mut in_use = names(draft);
+    in_use::add_names(draft, &mut in_use);
     for list in ["extensionsUsed", "extensionsRequired"] {
         let Some(Value::Array(listed)) = draft.root.get_mut(list) else { continue };
         listed.retain(|name| {
