@@ -40,6 +40,7 @@ pub struct Asset {
 pub struct Document {
     /// The glTF JSON. `meshes[m].primitives[p]` here is `Asset::meshes[m].primitives[p]`, and the same
     /// for materials and images (of a made-up document, primitives have no accessors yet).
+    /// Buffer views that came packed are plain ones of further buffers.
     pub json: serde_json::Value,
     /// The bytes of each buffer of `json`, resolved.
     pub buffers: Vec<Vec<u8>>,

@@ -1,7 +1,9 @@
-//! Size and soundness of an image file from its outside: PNG's first chunk, JPEG's marker segments.
+//! Size and soundness of an image file from its outside: PNG's first chunk, JPEG's marker segments,
+//! WebP's chunks.
 //!
 //! The JPEG walk goes to the end mark: the decoder fills up what a truncated file lacks, and says nothing.
 
+use super::webp_header;
 use crate::error::{Error, ErrorCode, Result};
 
 /// Scans of a progressive JPEG. Encoders write about ten; each costs a pass over the whole picture, so a
@@ -12,6 +14,7 @@ const SCANS_MAX: usize = 100;
 pub(super) enum Format {
     Png,
     Jpeg,
+    WebP,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +34,9 @@ pub(super) fn format(bytes: &[u8]) -> Option<Format> {
     if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
         return Some(Format::Png);
     }
+    if bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") {
+        return Some(Format::WebP);
+    }
     bytes.starts_with(b"\xFF\xD8\xFF").then_some(Format::Jpeg)
 }
 
@@ -38,8 +44,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header> {
     let header = match format(bytes) {
         Some(Format::Png) => png(bytes),
         Some(Format::Jpeg) => jpeg(bytes)?,
+        Some(Format::WebP) => webp_header::read(bytes)?,
         None => {
-            let detail = "the image is neither PNG nor JPEG by its first bytes";
+            let detail = "the image is neither PNG nor JPEG nor WebP by its first bytes";
             return Err(Error::new(ErrorCode::UnsupportedMediaType, detail));
         }
     };

@@ -1,10 +1,12 @@
-//! Image files to planes: PNG and JPEG, told by their first bytes, sizes checked before decoding, each
+//! Image files to planes: PNG, JPEG and WebP, told by their first bytes, sizes checked before decoding, each
 //! file decoded once however often it is named.
 
 use std::collections::HashMap;
 use std::io::Cursor;
 
-use image::{DynamicImage, ImageDecoder, codecs::jpeg::JpegDecoder, codecs::png::PngDecoder};
+use image::{
+    DynamicImage, ImageDecoder, codecs::jpeg::JpegDecoder, codecs::png::PngDecoder, codecs::webp::WebPDecoder,
+};
 use rayon::prelude::*;
 
 use super::image_header::{self, Header};
@@ -110,6 +112,7 @@ pub(super) fn media_type_of(bytes: &[u8]) -> Option<&'static str> {
     image_header::format(bytes).map(|format| match format {
         Format::Png => "image/png",
         Format::Jpeg => "image/jpeg",
+        Format::WebP => "image/webp",
     })
 }
 
@@ -145,6 +148,10 @@ fn decode(bytes: &[u8], header: Header) -> Result<Image> {
             PngDecoder::with_limits(Cursor::new(bytes), limits).and_then(DynamicImage::from_decoder)
         }
         Format::Jpeg => JpegDecoder::new(Cursor::new(bytes)).and_then(|mut decoder| {
+            decoder.set_limits(limits)?;
+            DynamicImage::from_decoder(decoder)
+        }),
+        Format::WebP => WebPDecoder::new(Cursor::new(bytes)).and_then(|mut decoder| {
             decoder.set_limits(limits)?;
             DynamicImage::from_decoder(decoder)
         }),

@@ -19,6 +19,7 @@ mod text;
 mod upload;
 mod uri;
 mod warnings;
+mod webp_header;
 
 #[cfg(test)]
 mod tests;

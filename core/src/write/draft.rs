@@ -167,13 +167,6 @@ fn open_view<'a>(view: Value, document: &'a Document) -> View<'a> {
         let start = usize::try_from(offset).ok()?;
         buffer.get(start..start.checked_add(usize::try_from(length).ok()?)?)
     });
-    // Reading has unpacked it; the packed bytes are another view's.
-    if let Some(Value::Object(extensions)) = json.get_mut("extensions") {
-        extensions.remove("EXT_meshopt_compression");
-        if extensions.is_empty() {
-            json.remove("extensions");
-        }
-    }
     View { json, bytes: bytes.map(Cow::Borrowed) }
 }
 

@@ -8,10 +8,16 @@ use crate::asset::MESH_COLORS_EXTENSION;
 use crate::finished::EXTENSION;
 
 use super::draft::Draft;
+use super::in_use;
 
 /// Extensions that go out of use where conversion replaced the last thing that had them.
-const MAY_LEAVE: [&str; 3] =
-    ["KHR_texture_transform", "KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+const MAY_LEAVE: [&str; 5] = [
+    "KHR_texture_transform",
+    "KHR_draco_mesh_compression",
+    "KHR_mesh_quantization",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+];
 
 const OWN: [&str; 2] = [EXTENSION, MESH_COLORS_EXTENSION];
 
@@ -32,7 +38,8 @@ pub fn names(draft: &Draft<'_>) -> BTreeSet<String> {
 
 /// Brings `extensionsUsed` and `extensionsRequired` up to date. `added`: those that the file uses now.
 pub fn settle(draft: &mut Draft<'_>, added: &[&str]) {
-    let in_use = names(draft);
+    let mut in_use = names(draft);
+    in_use::add_names(draft, &mut in_use);
     for list in ["extensionsUsed", "extensionsRequired"] {
         let Some(Value::Array(listed)) = draft.root.get_mut(list) else { continue };
         listed.retain(|name| {

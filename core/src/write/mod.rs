@@ -10,6 +10,7 @@ mod draft;
 mod extensions;
 mod geometry;
 mod images;
+mod in_use;
 mod materials;
 mod mesh_colors;
 mod meshes;

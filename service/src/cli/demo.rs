@@ -33,7 +33,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
 }
 
 /// Endings of files that a model may name.
-const SIDECAR_ENDINGS: [&str; 5] = ["bin", "mtl", "png", "jpg", "jpeg"];
+const SIDECAR_ENDINGS: [&str; 6] = ["bin", "mtl", "png", "jpg", "jpeg", "webp"];
 
 /// The model, and beside a model of text what stands in its folder and may belong to it.
 fn model_files(path: &PathBuf) -> anyhow::Result<Vec<SentFile>> {

@@ -7,6 +7,7 @@ use super::super::budget::Budget;
 use super::super::json::At;
 use super::super::text::quoted;
 use super::super::warnings::Warnings;
+use super::quantized;
 use super::views::{self, View};
 use crate::error::Result;
 
@@ -64,6 +65,8 @@ pub(super) struct Store<'a> {
     buffers: &'a [Vec<u8>],
     pub views: Vec<View>,
     pub accessors: Vec<Accessor>,
+    /// Whether attributes may have the types of `KHR_mesh_quantization`.
+    pub quantization: bool,
 }
 
 impl<'a> Store<'a> {
@@ -73,7 +76,7 @@ impl<'a> Store<'a> {
         for at in &root.objects("accessors")? {
             accessors.push(read_one(at, &views, warnings)?);
         }
-        Ok(Self { buffers, views, accessors })
+        Ok(Self { buffers, views, accessors, quantization: quantized::is_named(root)? })
     }
 
     pub fn view_bytes(&self, view: View) -> &'a [u8] {

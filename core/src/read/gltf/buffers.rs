@@ -4,11 +4,12 @@ use super::super::Context;
 use super::super::images::media_type_of;
 use super::super::json::At;
 use super::accessors::Store;
+use super::meshopt;
 use crate::asset::EncodedImage;
 use crate::error::Result;
 use crate::watch;
 
-/// The bytes of each buffer, exactly `byteLength` of them.
+/// The bytes of each buffer, exactly `byteLength` of them; none of a fallback without a file.
 pub(super) fn load(root: &At, bin: Option<&[u8]>, context: &mut Context) -> Result<Vec<Vec<u8>>> {
     let mut buffers = Vec::new();
     for (index, at) in root.objects("buffers")?.iter().enumerate() {
@@ -22,6 +23,11 @@ pub(super) fn load(root: &At, bin: Option<&[u8]>, context: &mut Context) -> Resu
             (None, Some(bin)) if index == 0 => {
                 context.budget.take_bytes(bin.len() as u64, &at.pointer)?;
                 bin.to_vec()
+            }
+            // What its views hold is unpacked from other buffers.
+            (None, _) if meshopt::is_fallback(at)? => {
+                buffers.push(Vec::new());
+                continue;
             }
             _ => return Err(at.error("the buffer has no uri, and there is no binary chunk for it")),
         };

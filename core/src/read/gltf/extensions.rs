@@ -4,7 +4,14 @@ use super::super::json::At;
 use super::super::text::quoted;
 use crate::error::{Error, ErrorCode, Result};
 
-const UNDERSTOOD: [&str; 3] = ["KHR_texture_transform", "KHR_lights_punctual", "MCT_mesh_color_texture"];
+const UNDERSTOOD: [&str; 6] = [
+    "KHR_texture_transform",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
+    "MCT_mesh_color_texture",
+];
 
 /// Extensions that only add to a material pass through unchanged.
 const UNDERSTOOD_PREFIX: &str = "KHR_materials_";

@@ -15,7 +15,7 @@ use crate::image::{Wrap, WrapMode};
 /// Components of a texture transform stay within this, so that texel numbers fit their type.
 const TRANSFORM_MAX: f32 = 1e6;
 
-/// A texture of the document: `None` where it has no image of a core format.
+/// A texture of the document: `None` where it has no image of a format that is read.
 struct Texture {
     image: Option<usize>,
     wrap: Wrap,
@@ -57,7 +57,14 @@ fn read_textures(root: &At) -> Result<Vec<Texture>> {
     let read = |at: &At| {
         let sampler = at.index("sampler", wraps.len(), "samplers")?;
         let wrap = sampler.map_or_else(Wrap::default, |sampler| wraps[sampler]);
-        Ok(Texture { image: at.index("source", image_count, "images")?, wrap })
+        let core = at.index("source", image_count, "images")?;
+        // Where there are both, the other one is for readers that do not know the extension.
+        let webp = match at.object("extensions")? {
+            Some(extensions) => extensions.object("EXT_texture_webp")?,
+            None => None,
+        };
+        let webp = webp.map(|webp| webp.need_index("source", image_count, "images")).transpose()?;
+        Ok(Texture { image: webp.or(core), wrap })
     };
     root.objects("textures")?.iter().map(read).collect()
 }
@@ -126,7 +133,7 @@ fn texture_ref(info: &At, textures: &[Texture], warnings: &mut Warnings) -> Resu
         texcoord = set(&at)?.unwrap_or(texcoord);
     }
     let Some(image) = textures[index].image else {
-        let detail = "texture slots whose texture has no `source` in PNG or JPEG; they count as empty";
+        let detail = "texture slots whose texture has no `source` in PNG, JPEG or WebP; they count as empty";
         warnings.add("texture_without_image", &info.pointer, detail);
         return Ok(None);
     };

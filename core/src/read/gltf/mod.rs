@@ -8,7 +8,9 @@ mod extensions;
 mod faces;
 mod materials;
 mod mesh_colors;
+mod meshopt;
 mod primitives;
+mod quantized;
 mod references;
 mod scene;
 mod typed;
@@ -24,7 +26,7 @@ use crate::error::Result;
 use crate::watch;
 
 /// `bin` is the binary chunk of a GLB.
-pub(super) fn read(json: Value, bin: Option<&[u8]>, context: &mut Context) -> Result<Asset> {
+pub(super) fn read(mut json: Value, bin: Option<&[u8]>, context: &mut Context) -> Result<Asset> {
     let root = At::root(&json);
     if !json.is_object() {
         return Err(root.error("the document must be an object"));
@@ -34,7 +36,12 @@ pub(super) fn read(json: Value, bin: Option<&[u8]>, context: &mut Context) -> Re
     references::check(&root)?;
     watch::check(context.watch)?;
 
-    let buffers = buffers::load(&root, bin, context)?;
+    let mut buffers = buffers::load(&root, bin, context)?;
+    let unpacked = meshopt::unpack(&root, &buffers, context)?;
+    drop(root);
+    meshopt::replace(&mut json, &mut buffers, unpacked);
+    let root = At::root(&json);
+
     let store = accessors::Store::new(&root, &buffers, &mut context.warnings)?;
     let encoded_images = buffers::load_images(&root, &store, context)?;
     let mut materials = materials::read(&root, &mut context.warnings)?;

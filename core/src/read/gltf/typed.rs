@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::super::budget::Budget;
 use super::super::geometry::{POSITION_MAX, UV_MAX, check_finite};
 use super::accessors::{Accessor, Store, unsigned};
+use super::quantized::{Semantic, numbers};
 use crate::error::{Error, Result};
 
 fn wrong_type(accessor: &Accessor, semantic: &str, allowed: &str) -> Error {
@@ -13,31 +14,19 @@ fn wrong_type(accessor: &Accessor, semantic: &str, allowed: &str) -> Error {
     Error::invalid(detail).at(accessor.pointer.clone())
 }
 
-fn floats<const N: usize>(packed: &[u8]) -> impl Iterator<Item = [f32; N]> + '_ {
-    packed.chunks_exact(4 * N).map(|element| {
-        let mut numbers = [0.0; N];
-        for (number, four) in numbers.iter_mut().zip(element.chunks_exact(4)) {
-            *number = f32::from_bits(unsigned(four));
-        }
-        numbers
-    })
-}
-
-/// An attribute of floats, all finite and within `max`.
+/// An attribute of floats or of codes that stand for some, all finite and within `max`.
 fn float_vectors<const N: usize>(
     store: &Store,
     accessor: &Accessor,
-    (semantic, dimensions, max): (&str, Dimensions, f32),
+    (name, semantic, max): (&str, Semantic, f32),
     budget: &mut Budget,
 ) -> Result<Vec<[f32; N]>> {
-    if accessor.component != DataType::F32 || accessor.dimensions != dimensions {
-        let allowed =
-            format!("{dimensions:?} F32 (others need KHR_mesh_quantization, which is not understood)");
-        return Err(wrong_type(accessor, semantic, &allowed));
+    if !semantic.allows(accessor, store.quantization) {
+        return Err(wrong_type(accessor, name, &semantic.allowed(store.quantization)));
     }
     let packed = store.packed(accessor, budget)?;
-    let vectors: Vec<[f32; N]> = floats(&packed).collect();
-    check_vectors(&vectors, semantic, max, accessor)?;
+    let vectors = numbers::<N>(&packed, accessor);
+    check_vectors(&vectors, name, max, accessor)?;
     Ok(vectors)
 }
 
@@ -53,40 +42,28 @@ fn check_vectors<const N: usize>(
 }
 
 pub(super) fn positions(store: &Store, accessor: &Accessor, budget: &mut Budget) -> Result<Vec<Vec3>> {
-    let vectors = float_vectors(store, accessor, ("POSITION", Dimensions::Vec3, POSITION_MAX), budget)?;
+    let vectors = float_vectors(store, accessor, ("POSITION", Semantic::Position, POSITION_MAX), budget)?;
     Ok(vectors.into_iter().map(Vec3::from_array).collect())
 }
 
 pub(super) fn normals(store: &Store, accessor: &Accessor, budget: &mut Budget) -> Result<Vec<Vec3>> {
-    let vectors = float_vectors(store, accessor, ("NORMAL", Dimensions::Vec3, f32::MAX), budget)?;
+    let vectors = float_vectors(store, accessor, ("NORMAL", Semantic::Normal, f32::MAX), budget)?;
     Ok(vectors.into_iter().map(Vec3::from_array).collect())
 }
 
 pub(super) fn tangents(store: &Store, accessor: &Accessor, budget: &mut Budget) -> Result<Vec<Vec4>> {
-    let vectors = float_vectors(store, accessor, ("TANGENT", Dimensions::Vec4, f32::MAX), budget)?;
+    let vectors = float_vectors(store, accessor, ("TANGENT", Semantic::Tangent, f32::MAX), budget)?;
     Ok(vectors.into_iter().map(Vec4::from_array).collect())
 }
 
-/// Floats, or 8-bit or 16-bit codes over their largest.
 pub(super) fn texcoords(
     store: &Store,
     accessor: &Accessor,
     semantic: &str,
     budget: &mut Budget,
 ) -> Result<Vec<Vec2>> {
-    let code_max = match (accessor.dimensions, accessor.component, accessor.normalized) {
-        (Dimensions::Vec2, DataType::F32, _) => {
-            let vectors = float_vectors(store, accessor, (semantic, Dimensions::Vec2, UV_MAX), budget)?;
-            return Ok(vectors.into_iter().map(Vec2::from_array).collect());
-        }
-        (Dimensions::Vec2, DataType::U8, true) => 255.0,
-        (Dimensions::Vec2, DataType::U16, true) => 65535.0,
-        _ => return Err(wrong_type(accessor, semantic, "Vec2 of F32, or U8 or U16 normalized")),
-    };
-    let packed = store.packed(accessor, budget)?;
-    let size = accessor.component.size();
-    let code = |bytes: &[u8]| unsigned(bytes) as f32 / code_max;
-    Ok(packed.chunks_exact(2 * size).map(|uv| Vec2::new(code(&uv[..size]), code(&uv[size..]))).collect())
+    let vectors = float_vectors(store, accessor, (semantic, Semantic::Texcoord, UV_MAX), budget)?;
+    Ok(vectors.into_iter().map(Vec2::from_array).collect())
 }
 
 /// Unsigned whole numbers.
@@ -116,7 +93,7 @@ pub(super) fn finite_floats(
         return Err(wrong_type(accessor, semantic, &format!("{dimensions:?} F32")));
     }
     let packed = store.packed(accessor, budget)?;
-    let numbers: Vec<f32> = floats::<1>(&packed).map(|[number]| number).collect();
+    let numbers: Vec<f32> = numbers::<1>(&packed, accessor).into_iter().flatten().collect();
     let place = |number: usize| format!("{semantic}, number {number}");
     check_finite(numbers.iter().copied(), 1, f32::MAX, place)
         .map_err(|error| error.at(accessor.pointer.clone()))?;

@@ -79,7 +79,7 @@ fn all_slots_with_their_settings() {
 #[test]
 fn a_texture_without_an_image_leaves_its_slot_empty() {
     let mut gltf = Gltf::textured(&png(2, 2));
-    gltf.json["textures"][0] = json!({ "extensions": { "EXT_texture_webp": { "source": 0 } } });
+    gltf.json["textures"][0] = json!({ "extensions": { "EXT_texture_avif": { "source": 0 } } });
     let asset = gltf.read().unwrap();
     assert!(asset.materials[0].slot(Slot::BaseColor).is_none());
     assert_eq!(asset.warnings[0].code, "texture_without_image");

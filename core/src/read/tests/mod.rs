@@ -2,6 +2,7 @@
 
 mod accessors;
 mod archives;
+mod compressed;
 mod containers;
 mod images;
 mod materials;
@@ -9,8 +10,10 @@ mod models;
 mod mutations;
 mod obj;
 mod primitives;
+mod quantized;
 mod scenes;
 mod uris;
+mod webp;
 
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! Real models from the model folder.
 
 use crate::asset::{AlphaMode, Asset, Slot};
-use crate::error::{ErrorCode, Result};
+use crate::error::Result;
 use crate::read::{Limits, MemoryFiles, Upload, read};
 use crate::watch::Unwatched;
 use glam::{Vec2, Vec3};
@@ -59,12 +59,20 @@ fn fox() {
     assert_eq!(names, ["JOINTS_0", "WEIGHTS_0"]);
 }
 
+/// Packed by gltfpack, positions of 16 bits, octahedral normals.
 #[test]
-fn pirate_needs_extensions_that_are_not_understood() {
+fn pirate_is_unpacked() {
     let Some(asset) = model("pirate.glb") else { return };
-    let error = asset.unwrap_err();
-    assert_eq!(error.code, ErrorCode::UnsupportedExtension);
-    assert!(error.detail.contains("KHR_mesh_quantization"), "{error}");
+    let asset = asset.unwrap();
+    assert_eq!(face_counts(&asset), [5010, 0]);
+    let primitive = &asset.meshes[0].primitives[0];
+    assert_eq!((primitive.positions.len(), primitive.normals.len()), (2887, 2887));
+    // The bounds that the file gives of its positions.
+    let least = primitive.positions.iter().copied().reduce(Vec3::min).unwrap();
+    let most = primitive.positions.iter().copied().reduce(Vec3::max).unwrap();
+    assert_eq!([least, most], [Vec3::ZERO, Vec3::new(13081.0, 16383.0, 3915.0)]);
+    assert!(asset.images.is_empty());
+    assert_eq!(asset.warnings, []);
 }
 
 #[test]

@@ -31,7 +31,14 @@ fn seeds() -> Vec<Vec<u8>> {
     let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     zip.start_file("m.obj", zip::write::SimpleFileOptions::default()).unwrap();
     std::io::Write::write_all(&mut zip, obj).unwrap();
-    vec![gltf.glb(), text.to_string().into_bytes(), obj.to_vec(), zip.finish().unwrap().into_inner()]
+    vec![
+        gltf.glb(),
+        text.to_string().into_bytes(),
+        obj.to_vec(),
+        zip.finish().unwrap().into_inner(),
+        compressed::seed(),
+        webp::seed(),
+    ]
 }
 
 fn bend(bytes: &mut Vec<u8>, random: &mut Random) {

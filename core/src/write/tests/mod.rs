@@ -1,5 +1,6 @@
 //! Writes made-up conversions and reads them back with a small reader of its own.
 
+mod compressed;
 mod fixture;
 mod indexed;
 mod lies;
