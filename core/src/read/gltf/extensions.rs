@@ -4,13 +4,14 @@ use super::super::json::At;
 use super::super::text::quoted;
 use crate::error::{Error, ErrorCode, Result};
 
-const UNDERSTOOD: [&str; 6] = [
+const UNDERSTOOD: [&str; 7] = [
     "KHR_texture_transform",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
     "MCT_mesh_color_texture",
+    "MCT_mesh_colors",
 ];
 
 /// Extensions that only add to a material pass through unchanged.
