@@ -25,6 +25,13 @@ fn converted(upload: &Upload, options: &Options, limits: &Limits) -> Result<Conv
     convert(upload, options, limits, &Unwatched)
 }
 
+/// A case converted with its mesh colors.
+fn painted(case: &str) -> Conversion {
+    let folder = cases::folder().join(case);
+    let options = Options { mesh_colors: true, ..Options::default() };
+    converted(&Case::load(&folder).upload(&folder), &options, &Limits::default()).unwrap()
+}
+
 /// There and back: what went wrong. `None` where the source is refused.
 fn trip(name: &str, upload: &Upload, options: &Options, limits: &Limits) -> Option<Result<(), String>> {
     let options = Options { mesh_colors: true, ..options.clone() };
@@ -91,10 +98,7 @@ fn with_4d_coordinates_too() {
 /// Mesh colors have their resolution, so options that ask for another are refused and not ignored.
 #[test]
 fn budgets_are_refused() {
-    let folder = cases::folder().join("wrap_repeat");
-    let case = Case::load(&folder);
-    let options = Options { mesh_colors: true, ..Options::default() };
-    let there = converted(&case.upload(&folder), &options, &Limits::default()).unwrap();
+    let there = painted("wrap_repeat");
     let upload = || Upload::single("mesh_colors.glb", file(&there, "mesh_colors.glb").to_vec());
     let refused = [
         (Options { texels: Some(1000), ..Options::default() }, "/texels"),
@@ -228,10 +232,7 @@ const MISTAKES: &[Mistake] = &[
 /// What a file says wrong is refused with its place, and nothing panics.
 #[test]
 fn mistakes_have_their_place() {
-    let folder = cases::folder().join("obj_quad_and_triangle");
-    let case = Case::load(&folder);
-    let options = Options { mesh_colors: true, ..Options::default() };
-    let there = converted(&case.upload(&folder), &options, &Limits::default()).unwrap();
+    let there = painted("obj_quad_and_triangle");
     let glb = file(&there, "mesh_colors.glb");
     let read = |glb: Vec<u8>| {
         check(&Upload::single("mesh_colors.glb", glb), &Options::default(), &Limits::default(), &Unwatched)
@@ -257,10 +258,7 @@ fn mistakes_have_their_place() {
 /// Samples that are too few or too many for the faces are told by count.
 #[test]
 fn samples_are_counted() {
-    let folder = cases::folder().join("obj_quad_and_triangle");
-    let case = Case::load(&folder);
-    let options = Options { mesh_colors: true, ..Options::default() };
-    let there = converted(&case.upload(&folder), &options, &Limits::default()).unwrap();
+    let there = painted("obj_quad_and_triangle");
     let edit = |json: &mut Value| {
         let samples = json["materials"][0]["extensions"]["MCT_mesh_colors"]["channels"][0]["samples"].clone();
         let accessor = &mut json["accessors"][samples.as_u64().unwrap() as usize];
@@ -275,10 +273,7 @@ fn samples_are_counted() {
 /// What no texture slot can hold is told, and taken as the nearest that it can.
 #[test]
 fn samples_out_of_range_are_told() {
-    let folder = cases::folder().join("obj_quad_and_triangle");
-    let case = Case::load(&folder);
-    let options = Options { mesh_colors: true, ..Options::default() };
-    let there = converted(&case.upload(&folder), &options, &Limits::default()).unwrap();
+    let there = painted("obj_quad_and_triangle");
     let mut glb = file(&there, "mesh_colors.glb").to_vec();
     assert_eq!(there.report.warnings.len(), 0);
     let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
@@ -289,6 +284,7 @@ fn samples_out_of_range_are_told() {
     let first = 28 + word(12) + view["byteOffset"].as_u64().unwrap() as usize;
     glb[first..first + 4].copy_from_slice(&9.0f32.to_le_bytes());
     let upload = Upload::single("mesh_colors.glb", glb);
+    let options = Options { mesh_colors: true, ..Options::default() };
     let back = converted(&upload, &options, &Limits::default()).unwrap();
     let codes: Vec<_> = back.report.warnings.iter().map(|warning| warning.code.as_str()).collect();
     assert_eq!(codes, ["mesh_color_out_of_range"]);

@@ -3,31 +3,26 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::layout::{CLASS_COUNT_MAX, Class};
+use crate::layout::Class;
 
 use super::Block;
 
-/// Blocks whose shapes save least by being larger come apart in halves, until there are no more than [`CLASS_COUNT_MAX`] classes.
-/// (Single faces of so many pairs of exponents stay as they are.)
-pub fn with_few_classes(blocks: Vec<Block>) -> Vec<Block> {
-    with_classes(blocks, CLASS_COUNT_MAX)
-}
-
-/// The same for another number of classes.
-pub fn with_classes(blocks: Vec<Block>, count_max: usize) -> Vec<Block> {
+/// Blocks whose shapes save least by being larger come apart in halves, until there are no more than so many classes of a shader's
+/// table. (Single faces of so many pairs of exponents stay as they are.)
+pub fn with_few_classes(blocks: Vec<Block>, count_max: usize) -> Vec<Block> {
     // What blocks come apart to in the end, and what they save until then.
-    let mut single: BTreeSet<Key> = BTreeSet::new();
+    let mut single: BTreeMap<Key, usize> = BTreeMap::new();
     let mut saved: BTreeMap<Key, u64> = BTreeMap::new();
     for block in &blocks {
         let class = block.class();
         let alone = Class { cells: [1, 1], ..class };
-        single.insert(key(&alone));
+        single.insert(key(&alone), alone.entry_count());
         if class.cells != alone.cells {
             let count = u64::from(class.cells[0] * class.cells[1]);
             *saved.entry(key(&class)).or_default() += count * alone.texels(0) - class.texels(0);
         }
     }
-    let single_count: usize = single.iter().map(|&(lone_count, ..)| usize::from(lone_count.max(1))).sum();
+    let single_count: usize = single.values().sum();
     let mut larger: Vec<(Reverse<u64>, Key)> =
         saved.into_iter().map(|(key, saved)| (Reverse(saved), key)).collect();
     larger.sort_unstable();

@@ -70,15 +70,13 @@ impl Joiner<'_> {
         let first_new = self.patches.len();
         let Some(mut removed) = self.claim(patch) else { return };
         self.join(first_new, &mut removed);
-        let was: u64 = removed
-            .iter()
-            .filter(|(number, _)| (*number as usize) < first_new)
-            .map(|(_, patch)| self.cost(patch))
-            .sum();
+        // What came and went on the way was never there.
+        removed.retain(|(number, _)| (*number as usize) < first_new);
+        let was: u64 = removed.iter().map(|(_, patch)| self.cost(patch)).sum();
         let is: u64 = self.patches[first_new..].iter().map(|patch| self.cost(patch)).sum();
         if is > was {
             self.patches.truncate(first_new);
-            for (number, patch) in removed.into_iter().filter(|(number, _)| (*number as usize) < first_new) {
+            for (number, patch) in removed {
                 self.seat(number, &patch);
                 self.patches[number as usize] = patch;
             }

@@ -19,7 +19,9 @@ mod turn;
 
 use crate::error::Result;
 use crate::image::Image;
-use crate::layout::{BlockKind, Class, Coordinates, Layout, LoneTriangles, Packing, Page, parted};
+use crate::layout::{
+    BlockKind, CLASS_COUNT_MAX, Class, Coordinates, Layout, LoneTriangles, Packing, Page, parted,
+};
 use crate::mesh::CanvasMesh;
 
 use classes::with_few_classes;
@@ -116,7 +118,7 @@ pub fn pack(group: &[Painted<'_>], options: PackOptions) -> Result<Packed> {
         .collect();
     let each = group.iter().zip(&twins).enumerate();
     let blocks = each.flat_map(|(material, (painted, twins))| blocks(material, painted, twins)).collect();
-    let blocks = with_few_classes(blocks);
+    let blocks = with_few_classes(blocks, CLASS_COUNT_MAX);
     let mut packed = Packed {
         spots: group.iter().map(|painted| vec![Spot::default(); painted.face_count()]).collect(),
         savings: savings(group, &twins, &blocks),

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 
-use super::classes::with_classes;
+use super::classes::with_few_classes;
 use super::copy::Channel;
 use super::texels::FaceTexels;
 use super::turn::Turn;
@@ -252,9 +252,9 @@ fn blocks_come_apart_where_there_are_too_many_classes() {
     // Five rows of five. Those of the finest two save more than those of the others together.
     let rows = [1, 2, 3].map(|exponent| ([5, 1], [exponent; 2]));
     assert_eq!(counts(&all()), BTreeMap::from([(rows[0], 10), (rows[1], 10), (rows[2], 5)]));
-    let few = counts(&with_classes(all(), 4));
+    let few = counts(&with_few_classes(all(), 4));
     assert_eq!(few, BTreeMap::from([(([1, 1], [1; 2]), 10), (rows[1], 10), (([1, 1], [3; 2]), 5)]));
-    assert_eq!(counts(&with_classes(all(), 0)).keys().filter(|(cells, _)| *cells != [1, 1]).count(), 0);
+    assert_eq!(counts(&with_few_classes(all(), 0)).keys().filter(|(cells, _)| *cells != [1, 1]).count(), 0);
 }
 
 /// Tiles and mirrored halves need their texels once, unless that is switched off.

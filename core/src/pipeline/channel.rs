@@ -96,7 +96,8 @@ pub fn finish_channel(
     if let Some(frames) = input.frames {
         take_bare(&numbering, frames, &mut values);
     }
-    let rungs = Rungs { filter: input.mip, beyond: input.beyond, by_alpha: input.form.is_alpha_weighted() };
+    let rungs =
+        Rungs { filter: input.mip, beyond: input.beyond, by_alpha: input.form.kind.is_alpha_weighted() };
     let mut coarsener = Coarsener::new(rungs);
     let mut wanted_coverage = 0.0;
     for level in 0.. {

@@ -49,20 +49,4 @@ impl ChannelForm {
         };
         Self { material, slots: channel.slots.clone(), kind, codec }
     }
-
-    pub fn is_alpha_weighted(&self) -> bool {
-        self.kind == ChannelKind::AlphaWeighted
-    }
-
-    pub fn is_normal(&self) -> bool {
-        matches!(self.kind, ChannelKind::Normal { .. })
-    }
-
-    /// The material's normal scale, of a normal map.
-    pub fn normal_scale(&self) -> Option<f32> {
-        match self.kind {
-            ChannelKind::Normal { scale } => Some(scale),
-            _ => None,
-        }
-    }
 }

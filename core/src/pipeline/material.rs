@@ -45,11 +45,12 @@ pub fn convert_material(
 ) -> Result<MaterialConversion> {
     let Prepared { material, canvas, channels, content, cuts, normals, .. } = prepared;
     let Arranged { resolutions, layout } = arranged;
-    let normal_scale = channels.iter().find_map(ChannelForm::normal_scale).unwrap_or(1.0);
+    let normal_scale = channels.iter().find_map(|form| form.kind.normal_scale()).unwrap_or(1.0);
     let mut given_frames = Vec::new();
     let frames = normals.map(|normals| {
-        given_frames = given(&content, &canvas, &normals);
         let none = vec![None; canvas.faces.len()];
+        let is_wanted = options.shares || options.mesh_colors;
+        given_frames = if is_wanted { given(&content, &canvas, &normals) } else { none.clone() };
         choose_frames(&canvas, &normals, if options.shares { &given_frames } else { &none }, normal_scale)
     });
     let mut finished = Vec::with_capacity(channels.len());
@@ -70,7 +71,7 @@ pub fn convert_material(
             resolutions: &resolutions,
             layout: &layout,
             cuts,
-            frames: frames.as_ref().filter(|_| form.is_normal()),
+            frames: frames.as_ref().filter(|_| form.kind.is_normal()),
             mask_cutoff: mask_cutoff(asset, form),
             mip: options.mip,
             beyond: options.beyond,
@@ -99,7 +100,7 @@ fn given(content: &Content<'_>, canvas: &CanvasMesh, normals: &[[Vec3; 4]]) -> V
 
 fn mask_cutoff(asset: &Asset, form: &ChannelForm) -> Option<f32> {
     match asset.materials[form.material].alpha_mode {
-        AlphaMode::Mask(cutoff) if form.is_alpha_weighted() => Some(cutoff),
+        AlphaMode::Mask(cutoff) if form.kind.is_alpha_weighted() => Some(cutoff),
         _ => None,
     }
 }

@@ -208,7 +208,7 @@ fn stand_in(form: &ChannelForm, samples: &[f32]) -> Image {
         let sum: f64 = samples.iter().skip(place).step_by(components).map(|&value| f64::from(value)).sum();
         mean[component] = (sum / count) as f32;
     }
-    if form.is_normal() {
+    if form.kind.is_normal() {
         mean = Vec4::new(0.5, 0.5, 1.0, 1.0);
     }
     let codes: Vec<u16> = form.codec.codes(mean).collect();
@@ -230,7 +230,7 @@ fn mesh_colors(asset: &Asset, conversion: &mut MaterialConversion) -> MeshColors
             Some(frames) => frames.map(|frame| frame.tangent.to_array()),
             None => [[0.0; 4]; 4],
         };
-        let is_given = channel.form.is_normal() && given_frames.iter().any(Option::is_some);
+        let is_given = channel.form.kind.is_normal() && given_frames.iter().any(Option::is_some);
         MeshColorChannel {
             slots: channel.form.slots.clone(),
             components: channel.form.codec.components,

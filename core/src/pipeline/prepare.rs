@@ -86,7 +86,7 @@ impl<'a> Prepared<'a> {
         cuts: Vec<Cuts>,
         content: Content<'a>,
     ) -> Self {
-        let has_normals = channels.iter().any(ChannelForm::is_normal);
+        let has_normals = channels.iter().any(|form| form.kind.is_normal());
         let normals = has_normals.then(|| normals_of(asset, &canvas));
         let joinable = joinable(&canvas, &cuts, normals.as_deref());
         Self { material, canvas, channels, content, cuts, joinable, normals }

@@ -229,7 +229,7 @@ impl Counts {
             lone: blocks().filter(|block| block.kind.is_lone()).count(),
             beyond: materials.iter().map(beyond).sum(),
             normals: materials.iter().filter(|conversion| conversion.frames.is_some()).count(),
-            alpha: channels().filter(|channel| channel.form.is_alpha_weighted()).count(),
+            alpha: channels().filter(|channel| channel.form.kind.is_alpha_weighted()).count(),
             masks: channels().filter(|channel| channel.keeps_coverage).count(),
             levels: channels().map(|channel| channel.sample_counts.len()).sum(),
             solved: channels().map(|channel| channel.solver.len()).sum(),

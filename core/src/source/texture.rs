@@ -67,21 +67,36 @@ pub fn channels(asset: &Asset, material: usize) -> Vec<SourceChannel<'_>> {
     channels
 }
 
+impl ChannelKind {
+    pub fn is_alpha_weighted(self) -> bool {
+        self == Self::AlphaWeighted
+    }
+
+    pub fn is_normal(self) -> bool {
+        self.normal_scale().is_some()
+    }
+
+    /// The material's normal scale, of a normal map.
+    pub fn normal_scale(self) -> Option<f32> {
+        match self {
+            Self::Normal { scale } => Some(scale),
+            _ => None,
+        }
+    }
+}
+
 impl SourceChannel<'_> {
     pub fn is_alpha_weighted(&self) -> bool {
-        self.kind == ChannelKind::AlphaWeighted
+        self.kind.is_alpha_weighted()
     }
 
     pub fn is_normal(&self) -> bool {
-        matches!(self.kind, ChannelKind::Normal { .. })
+        self.kind.is_normal()
     }
 
     /// The material's normal scale, of a normal map.
     pub fn normal_scale(&self) -> Option<f32> {
-        match self.kind {
-            ChannelKind::Normal { scale } => Some(scale),
-            _ => None,
-        }
+        self.kind.normal_scale()
     }
 
     /// Texture coordinates of a primitive's vertex in texels of the image, after the slot's transform.

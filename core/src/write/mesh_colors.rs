@@ -133,12 +133,11 @@ fn replace_images(
         for (channel, stand_in) in painted.colors.channels.iter().zip(&painted.stand_ins) {
             for slot in &channel.slots {
                 let Some((last, path)) = slot_path(*slot).split_last() else { continue };
-                let mut holder = at(&mut rest, painted.material);
+                let mut holder = object(at(&mut rest, painted.material));
                 for step in path {
-                    holder = member_value(holder, step);
+                    holder = member(holder, step);
                 }
-                let info = holder.as_object_mut().and_then(|holder| holder.remove(*last));
-                if let Some(texture) = info.and_then(|info| index(&info, "index")) {
+                if let Some(texture) = holder.remove(*last).and_then(|info| index(&info, "index")) {
                     stand_ins.entry(texture).or_insert(stand_in);
                 }
             }
@@ -171,10 +170,6 @@ fn replace_images(
         json.insert("bufferView".to_owned(), view.into());
     }
     Ok(())
-}
-
-fn member_value<'v>(value: &'v mut Value, name: &str) -> &'v mut Value {
-    object(value).entry(name.to_owned()).or_insert(Value::Null)
 }
 
 /// The images that a texture may show.
