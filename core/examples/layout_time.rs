@@ -133,7 +133,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     files.0.insert("mesh.png".to_owned(), meshcolor::write::png(&picture())?);
     let upload = Upload { main: "mesh.obj".to_owned(), files: Box::new(files) };
     let asset = read(&upload, &Limits::default(), &Unwatched)?;
-    let channels = channels(&asset, 0);
+    let channels = channels(&asset, 0, false);
     let (weld_seconds, canvas) = timed(|| canvas_of(&asset));
     let sources: Vec<_> =
         channels.iter().map(|channel| SurfaceSource::new(channel, &asset, &canvas)).collect();

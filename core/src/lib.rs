@@ -20,6 +20,8 @@ pub mod colors;
 
 pub mod filter;
 
+pub mod vertex_codec;
+
 pub mod asset;
 
 pub mod read;
@@ -45,5 +47,7 @@ pub mod measure;
 pub mod write;
 
 pub mod pipeline;
+
+pub mod edit;
 
 pub use error::{Error, ErrorCode, Result};

@@ -12,12 +12,13 @@ override EMISSIVE: u32 = 0u;
 override LOOK: u32 = 0u;
 // 0 opaque, 1 tested, 2 blended.
 override ALPHA: u32 = 0u;
-// A corner's record, in floats; position at 0, normal at 3; TANGENT_AT and MESH_AT are 0 where absent.
+// A corner's record, in floats; position at 0, normal at 3; TANGENT_AT, MESH_AT and COLOR_AT are 0 where absent.
 override STRIDE: u32 = 6u;
 override TANGENT_AT: u32 = 0u;
 override UV_AT: u32 = 6u;
 override UV_SETS: u32 = 0u;
 override MESH_AT: u32 = 0u;
+override COLOR_AT: u32 = 0u;
 // Mesh coordinates: 0 scaled and offset, 1 local, number of the block and class.
 override INDEXED: u32 = 0u;
 
@@ -72,6 +73,7 @@ struct Varyings {
     @location(10) uv_4_middle: vec2f,
     // Number and class.
     @location(11) @interpolate(flat) block: vec2u,
+    @location(12) @interpolate(perspective, centroid) color: vec4f,
 }
 
 fn record_vec2(at: u32) -> vec2f {
@@ -101,6 +103,10 @@ fn vertex(@builtin(vertex_index) number: u32) -> Varyings {
     }
     if MESH_AT != 0u {
         out.mesh = record_vec4(corner + MESH_AT);
+    }
+    out.color = vec4f(1.0);
+    if COLOR_AT != 0u {
+        out.color = record_vec4(corner + COLOR_AT);
     }
     if INDEXED != 0u {
         out.block = vec2u(out.mesh.zw);
@@ -314,7 +320,7 @@ fn fragment(in: Varyings, @builtin(front_facing) is_front: bool) -> @location(0)
         uv_sets(dpdy(in.uv_01_middle), dpdy(in.uv_23_middle), dpdy(in.uv_4_middle)),
     );
     let base = sample_slot(BASE_COLOR, 0u, base_color_texture, base_color_sampler, place)
-        * surface.base_color_factor;
+        * in.color * surface.base_color_factor;
     if ALPHA == 1u && base.w < surface.scalars.w {
         discard;
     }

@@ -2,9 +2,11 @@
 
 pub mod cases;
 pub mod faces;
+pub mod gltf;
 pub mod hard;
 pub mod models;
 pub mod patches;
+pub mod ptex;
 pub mod reading;
 pub mod repository;
 pub mod solids;

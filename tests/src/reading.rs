@@ -94,6 +94,7 @@ pub fn texel(image: &Image, x: u32, y: u32) -> [f32; 3] {
         match &image.pixels {
             Pixels::U8(codes) => f32::from(codes[at]) / 255.0,
             Pixels::U16(codes) => f32::from(codes[at]) / 65535.0,
+            Pixels::F32(of) => of.values[at],
         }
     })
 }

@@ -1,11 +1,11 @@
-//! A model packed by meshoptimizer, quantized, with a WebP texture: converted, and the file judged by the Khronos
-//! validator.
+//! A model packed by meshoptimizer, quantized, with a WebP texture, and one in a Draco stream with a texture of Basis
+//! Universal: converted, and the files judged by the Khronos validator.
 
-use std::ffi::c_void;
 use std::io::Cursor;
 
 use meshcolor::pipeline::{Options, convert};
 use meshcolor::read::{Limits, Upload, read};
+use meshcolor::vertex_codec::packed_attributes;
 use meshcolor::watch::Unwatched;
 use meshcolor_tests::validator;
 use meshopt::ffi;
@@ -15,19 +15,14 @@ const SIDE: usize = 9;
 const COUNT: usize = SIDE * SIDE;
 const REQUIRED: [&str; 3] = ["KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_texture_webp"];
 
-/// Vertices as the extension packs them, in the encoder's version 0.
-fn packed_vertices(bytes: &[u8], stride: usize) -> Vec<u8> {
-    let count = bytes.len() / stride;
-    // SAFETY: `bytes` has `count` elements of `stride` bytes, `packed` as many bytes as the encoder asks for.
-    unsafe {
-        let mut packed = vec![0; ffi::meshopt_encodeVertexBufferBound(count, stride)];
-        let (target, vertices) = (packed.as_mut_ptr(), bytes.as_ptr().cast::<c_void>());
-        let length =
-            ffi::meshopt_encodeVertexBufferLevel(target, packed.len(), vertices, count, stride, 2, 0);
-        packed.truncate(length);
-        packed
-    }
-}
+/// A bent quad of four vertices with positions, normals, texture coordinates, colors and joints, by the reference encoder
+/// (draco3d 1.5.7): 12 bits for positions and coordinates, 8 for normals.
+const STREAM: &str = "\
+     445241434f02020101000000040204020000011fff0111ff0111ff0111ff0111ff011105ff00010000000100000200000300000100090300\
+     000201010903000103010309020002020102020300030101040404000401010101000d0301200110230110030030904a002000fe1f000000\
+     00ff0f00000000000000000000000000000000803f0c060301000903011017013003002882d515d515c11f00ff0000007f000000ff024440\
+     0805010100030301300110030024822600020000008002807000000000ff0f000000000000000000000000803f0c0101010105660110e701\
+     100355054b55054b59150600e67c876f800a0000007800000001010100060b01200301200300e8835052fbff10c207c0000000002c010000";
 
 fn packed_triangles(indices: &[u32]) -> Vec<u8> {
     // SAFETY: `packed` has as many bytes as the encoder asks for.
@@ -72,7 +67,7 @@ fn model() -> Vec<u8> {
         fallback_bytes += (stride * count).next_multiple_of(4);
     };
     for (bytes, stride) in vertices.iter().zip([8, 4, 4, 4]) {
-        add(packed_vertices(bytes, stride), "ATTRIBUTES", stride, COUNT);
+        add(packed_attributes(bytes, stride).unwrap(), "ATTRIBUTES", stride, COUNT);
     }
     add(packed_triangles(&indices), "TRIANGLES", 2, indices.len());
     let picture = image::RgbImage::from_fn(64, 64, |x, y| image::Rgb([x as u8 * 4, y as u8 * 4, 90]));
@@ -151,4 +146,56 @@ fn a_compressed_model_converts_to_a_plain_valid_file() {
         let most = back.meshes[0].primitives[0].positions.iter().copied().reduce(glam::Vec3::max).unwrap();
         assert_eq!(most, glam::Vec3::new(800.0, 800.0, 160.0));
     }
+}
+
+/// The quad in its stream. The texture is 32x16 in ETC1S, made by the reference encoder for the reader's tests.
+fn streamed(texture: &[u8]) -> Vec<u8> {
+    const NAMES: [&str; 2] = ["KHR_draco_mesh_compression", "KHR_texture_basisu"];
+    let digits: Vec<u8> =
+        STREAM.chars().filter_map(|digit| digit.to_digit(16)).map(|digit| digit as u8).collect();
+    let mut bin: Vec<u8> = digits.chunks(2).map(|pair| pair[0] * 16 + pair[1]).collect();
+    let stream_bytes = bin.len();
+    bin.resize(bin.len().next_multiple_of(4), 0);
+    let image = json!({ "buffer": 0, "byteOffset": bin.len(), "byteLength": texture.len() });
+    bin.extend(texture);
+    let accessor =
+        |component: u32, kind: &str| json!({ "componentType": component, "count": 4, "type": kind });
+    let mut accessors = vec![accessor(5126, "VEC3"), accessor(5126, "VEC3"), accessor(5126, "VEC2")];
+    accessors[0]["min"] = json!([0, 0, 0]);
+    accessors[0]["max"] = json!([1, 1, 0.5]);
+    accessors.push(json!({ "componentType": 5123, "count": 6, "type": "SCALAR" }));
+    let attributes = json!({ "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2 });
+    let json = json!({
+        "asset": { "version": "2.0" },
+        "extensionsUsed": NAMES, "extensionsRequired": NAMES,
+        "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+        "meshes": [{ "primitives": [{
+            "attributes": attributes, "indices": 3, "material": 0,
+            "extensions": { NAMES[0]: { "bufferView": 0, "attributes": attributes } }
+        }] }],
+        "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
+        "textures": [{ "extensions": { NAMES[1]: { "source": 0 } } }],
+        "images": [{ "bufferView": 1, "mimeType": "image/ktx2" }],
+        "accessors": accessors,
+        "bufferViews": [{ "buffer": 0, "byteLength": stream_bytes }, image],
+        "buffers": [{ "byteLength": bin.len() }],
+    });
+    container(&json, &bin)
+}
+
+#[test]
+fn a_draco_stream_with_a_basis_texture_converts_to_a_plain_valid_file() {
+    let texture = include_bytes!("../../core/src/read/tests/basis/etc1s.ktx2");
+    let upload = Upload::single("quad.glb", streamed(texture));
+    let conversion = convert(&upload, &Options::default(), &Limits::default(), &Unwatched).unwrap();
+    let glb = conversion.files.iter().find(|file| file.path == "asset.glb").unwrap().bytes.clone();
+    validator::expect_valid("quad", &glb, true);
+    let back = read(&Upload::single("asset.glb", glb), &Limits::default(), &Unwatched).unwrap();
+    let json = &back.document.json;
+    assert!(json.get("extensionsRequired").is_none());
+    assert!(back.document.encoded_images.iter().all(|image| image.media_type == "image/png"));
+    let corners = &back.meshes[0].primitives[0].positions;
+    let most = corners.iter().copied().reduce(glam::Vec3::max).unwrap();
+    // Half a step of 12 bits.
+    assert!(most.distance(glam::Vec3::new(1.0, 1.0, 0.5)) < 1.0 / 4095.0, "{most}");
 }

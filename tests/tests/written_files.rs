@@ -123,7 +123,7 @@ fn in_parts(whole: Finished) -> Finished {
     let (first, second) = (whole.textures.clone(), whole.textures.iter().map(second));
     let count = whole.textures.len();
     let mut finished =
-        Finished { textures: first.into_iter().chain(second).collect(), primitives: Vec::new() };
+        Finished { textures: first.into_iter().chain(second).collect(), ..Finished::default() };
     finished.textures.sort_by_key(|texture| (texture.materials[0], texture.part));
     let number = |old: usize, part: usize| {
         let FinishedTexture { materials, slots, .. } = &whole.textures[old];

@@ -133,5 +133,5 @@ impl<'a> Surface<'a> {
 
 /// By material of an asset.
 pub fn all_channels(asset: &Asset) -> Vec<Vec<SourceChannel<'_>>> {
-    (0..asset.materials.len()).map(|material| channels(asset, material)).collect()
+    (0..asset.materials.len()).map(|material| channels(asset, material, false)).collect()
 }

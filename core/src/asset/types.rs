@@ -203,6 +203,9 @@ pub struct MorphTarget {
     pub attributes: Vec<Attribute>,
 }
 
+/// The glTF extension whose primitives have their triangles in the order of polygons.
+pub const NGON_EXTENSION: &str = "FB_ngon_encoding";
+
 /// A triangle or a quad: `corners[..count]`, vertex indices of its primitive. A quad is drawn as the
 /// triangles (0, 1, 2) and (0, 2, 3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

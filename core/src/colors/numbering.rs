@@ -255,13 +255,25 @@ impl FaceGrid {
         &mut self.values[(j * (self.shape.segments[0] + 1) + i) as usize]
     }
 
-    /// Interpolated alpha at `(x, y)` in segments, inside the face: bilinear in a quad's cells, linear in a
-    /// triangle's.
+    /// Interpolated alpha at `(x, y)` in segments, see [`Self::value`].
     pub fn alpha(&self, x: f32, y: f32) -> f32 {
+        self.interpolated(x, y, |i, j| self.at(i, j).w)
+    }
+
+    /// Interpolated value at `(x, y)` in segments, inside the face: bilinear in a quad's cells, linear in a
+    /// triangle's.
+    pub fn value(&self, x: f32, y: f32) -> Vec4 {
+        self.interpolated(x, y, |i, j| self.at(i, j))
+    }
+
+    fn interpolated<T>(&self, x: f32, y: f32, at: impl Fn(u32, u32) -> T) -> T
+    where
+        T: std::ops::Add<Output = T> + std::ops::Mul<f32, Output = T>,
+    {
         let [i_last, j_last] = self.shape.segments.map(|segments| segments - 1);
         let (i, j) = ((x as u32).min(i_last), (y as u32).min(j_last));
         let (x, y) = (x - i as f32, y - j as f32);
-        let corner = |di: u32, dj: u32| self.at(i + di, j + dj).w;
+        let corner = |di: u32, dj: u32| at(i + di, j + dj);
         if self.shape.is_triangle && x + y <= 1.0 {
             corner(0, 0) * (1.0 - x - y) + corner(1, 0) * x + corner(0, 1) * y
         } else if self.shape.is_triangle {

@@ -72,7 +72,7 @@ pub fn extract(asset: &Asset) -> Result<Option<Finished>> {
             });
         }
     }
-    let finished = Finished { textures, primitives };
+    let finished = Finished { textures, primitives, ..Finished::default() };
     finished.check()?;
     Ok(Some(finished))
 }

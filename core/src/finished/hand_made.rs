@@ -145,7 +145,7 @@ pub fn sheet() -> (Asset, Finished) {
         meshes: vec![Mesh { name: String::new(), primitives: vec![primitive] }],
         ..Asset::default()
     };
-    (asset, Finished { textures: vec![texture], primitives: vec![piece] })
+    (asset, Finished { textures: vec![texture], primitives: vec![piece], ..Finished::default() })
 }
 
 /// The faces of one cell of a class, by the cell's own corners.

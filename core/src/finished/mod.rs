@@ -11,7 +11,7 @@ mod sets;
 pub use coordinates::{Anchor, BlockClass, BlockTable, Coordinates, LevelMap, TableLevel};
 pub use extract::{BLOCK_ATTRIBUTE, EXTENSION, LOCAL_ATTRIBUTE, OFFSET_ATTRIBUTE, SCALED_ATTRIBUTE, extract};
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::Vec2;
 
@@ -26,6 +26,8 @@ pub struct Finished {
     pub textures: Vec<FinishedTexture>,
     /// In order of mesh, primitive and part; primitives of unconverted materials are left out.
     pub primitives: Vec<FinishedPrimitive>,
+    /// Materials whose base color holds the vertex colors of their primitives (`COLOR_0`) too; these do not have them any more.
+    pub vertex_colors: BTreeSet<usize>,
 }
 
 /// One channel at every level.

@@ -6,7 +6,7 @@ pub mod sample;
 mod tile;
 pub mod wrap;
 
-pub use planes::{Image, Pixels, Transfer};
+pub use planes::{Image, Pixels, Transfer, Values};
 pub use range::LevelRange;
 pub use sample::bilinear;
 pub use tile::Tile;

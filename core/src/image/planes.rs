@@ -14,15 +14,29 @@ pub enum Transfer {
     Linear,
 }
 
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Pixels {
     U8(Vec<u8>),
     U16(Vec<u16>),
+    /// Of sources alone: nothing is ever stored so.
+    F32(Values),
+}
+
+/// Texels as they enter a filter, of a source that no image file holds: linear light for color, the number for
+/// data, whatever the transfer says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Values {
+    /// All finite; components interleaved.
+    pub values: Vec<f32>,
+    /// What the painted texels had, and what is stored of them: 8 or 16.
+    pub bits: u8,
+    /// How many texels stand here along the side of a painted one; at least 1.
+    pub texels_per_painted: u8,
 }
 
 /// Guarantees: `width, height >= 1`, `components` in 1..=4 (gray, gray + alpha, RGB, RGBA),
 /// `pixels` holds exactly `width * height * components` codes.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     pub width: u32,
     pub height: u32,
@@ -39,11 +53,25 @@ impl Image {
         self.width as usize * self.height as usize
     }
 
+    /// Of a code, 8 or 16; of values, what codes made of them are to have.
+    pub fn bits(&self) -> u8 {
+        match &self.pixels {
+            Pixels::U8(_) => 8,
+            Pixels::U16(_) => 16,
+            Pixels::F32(values) => values.bits,
+        }
+    }
+
     /// Largest code: 255 or 65535.
     pub fn code_max(&self) -> f32 {
-        match self.pixels {
-            Pixels::U8(_) => 255.0,
-            Pixels::U16(_) => 65535.0,
+        if self.bits() == 8 { 255.0 } else { 65535.0 }
+    }
+
+    /// Texels along the side of what somebody painted as one.
+    pub fn texels_per_painted(&self) -> u8 {
+        match &self.pixels {
+            Pixels::U8(_) | Pixels::U16(_) => 1,
+            Pixels::F32(values) => values.texels_per_painted,
         }
     }
 
@@ -51,14 +79,15 @@ impl Image {
         matches!(self.components, 2 | 4)
     }
 
-    /// The stored codes of one texel over `code_max`, as a sampler sees them: gray in red, green and
-    /// blue, alpha 1 where there is none. `x < width`, `y < height`.
+    /// The stored codes of one texel over `code_max` (values as they are), as a sampler sees them: gray in red,
+    /// green and blue, alpha 1 where there is none. `x < width`, `y < height`.
     pub fn normalized(&self, x: u32, y: u32) -> [f32; 4] {
         let n = self.components as usize;
         let at = (y as usize * self.width as usize + x as usize) * n;
         let code = |i: usize| match &self.pixels {
             Pixels::U8(codes) => f32::from(codes[at + i]) / 255.0,
             Pixels::U16(codes) => f32::from(codes[at + i]) / 65535.0,
+            Pixels::F32(values) => values.values[at + i],
         };
         match n {
             1 => [code(0), code(0), code(0), 1.0],
@@ -80,7 +109,7 @@ impl Image {
     pub fn linear(&self, x: u32, y: u32, transfer: Transfer) -> [f32; 4] {
         let stored = self.normalized(x, y);
         match (transfer, &self.pixels) {
-            (Transfer::Linear, _) => stored,
+            (Transfer::Linear, _) | (_, Pixels::F32(_)) => stored,
             (Transfer::Srgb, Pixels::U8(_)) => {
                 let decode = |v: f32| SRGB8_TO_LINEAR[(v * 255.0 + 0.5) as usize];
                 [decode(stored[0]), decode(stored[1]), decode(stored[2]), stored[3]]

@@ -31,7 +31,7 @@ pub fn bilinear(image: &Image, transfer: Transfer, wrap: Wrap, at_texels: Vec2) 
             let color = if transfer == Transfer::Srgb { &SRGB8_TO_LINEAR } else { &DATA8 };
             four_texels8(image, codes, (color, &DATA8), columns, rows)
         }
-        Pixels::U16(_) => {
+        Pixels::U16(_) | Pixels::F32(_) => {
             let texel = |i: usize, j: usize| Vec4::from(image.linear(columns[i], rows[j], transfer));
             [texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)]
         }

@@ -58,7 +58,7 @@ impl Tile {
                         }
                     }
                 }
-                Pixels::U16(_) => {
+                Pixels::U16(_) | Pixels::F32(_) => {
                     for (k, texel) in row.iter_mut().enumerate() {
                         let x = columns.get(k).copied().unwrap_or_else(|| (self.origin[0] + k as i64) as u32);
                         *texel = image.linear(x, y, transfer).into();

@@ -39,6 +39,8 @@ pub struct OnTriangle<'a> {
     places: [Vec2; 3],
     /// For normals: the frames of the corners, and the scale.
     frames: Option<(&'a [Frame; 3], f32)>,
+    /// Of the corners, what multiplies the image.
+    tints: Option<[Vec4; 3]>,
 }
 
 impl Averaged<'_> {
@@ -55,6 +57,7 @@ impl Averaged<'_> {
             texels: &self.texels,
             places: self.origin.corner_uvs(part, vertices).map(|uv| uv * size_texels),
             frames,
+            tints: self.origin.corner_tints(part, vertices),
         }
     }
 
@@ -124,9 +127,13 @@ impl OnTriangle<'_> {
     /// What is filtered; of a normal map what it adds to the mesh's own normal, in object space.
     pub fn value(&self, at: Vec3) -> Vec4 {
         let value = self.texels.filtered(self.place(at));
-        let Some((frames, scale)) = self.frames else { return value };
+        let Some((frames, scale)) = self.frames else { return value * self.tint(at) };
         let ([right, up, out], tilt) = (axes(&interpolated(frames, at)), tilt(value, scale));
         (right * tilt.x + up * tilt.y + out * tilt.z).extend(1.0)
+    }
+
+    fn tint(&self, at: Vec3) -> Vec4 {
+        self.tints.map_or(Vec4::ONE, |[a, b, c]| a * at.x + b * at.y + c * at.z)
     }
 
     fn place(&self, at: Vec3) -> Vec2 {
@@ -152,19 +159,22 @@ impl OnTriangle<'_> {
 
     /// Both halves over one innermost cell; every point has the same weight.
     fn in_cell(&self, corners: &[Vec3; 3], places: &[Vec2], weight: f32, weighs_by_alpha: bool) -> [Sums; 2] {
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        // One for the whole cell, as the frame is.
+        let tint = self.tint(middle);
         let mut halves = [Sums::default(); 2];
         for (sums, places) in halves.iter_mut().zip(places.chunks(places.len() / 2)) {
             for &place in places {
                 let value = self.texels.filtered(place);
                 let value = match self.frames {
                     Some((_, scale)) => tilt(value, scale).extend(1.0),
-                    None => value,
+                    None => value * tint,
                 };
                 sums.add(value, weight, weighs_by_alpha);
             }
         }
         let Some((frames, _)) = self.frames else { return halves };
-        let [right, up, out] = axes(&interpolated(frames, (corners[0] + corners[1] + corners[2]) / 3.0));
+        let [right, up, out] = axes(&interpolated(frames, middle));
         halves.map(|half| Sums {
             sum: (right * half.sum.x + up * half.sum.y + out * half.sum.z).extend(half.sum.w),
             ..half

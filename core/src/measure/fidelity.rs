@@ -89,9 +89,11 @@ impl Comparison<'_> {
             let (number, triangle) = (point.part as usize, point.triangle as usize);
             let part = &self.converted.surface.parts[number];
             let place = self.origin.place(number, part.triangles[triangle], point.at, size_texels);
-            let wanted = self.source.bilinear(place);
+            let vertices = part.triangles[triangle];
+            let tinted = |value| self.origin.tinted(number, vertices, point.at, value);
+            let wanted = tinted(self.source.bilinear(place));
             let ours = self.levels[number].bilinear(part.place_at(triangle, point.at, 0));
-            let resampled = self.yardstick.bilinear(place);
+            let resampled = tinted(self.yardstick.bilinear(place));
             match self.origin.meaning {
                 Meaning::Normal { scale } => {
                     let (Some(of_source), Some(of_ours)) =

@@ -86,6 +86,7 @@ pub fn finished_by_triangle(slot: Slot, value: impl Fn(usize, Vec3) -> [u8; 3]) 
             frames: Vec::new(),
             cuts: vec![PrimitiveCuts { texture: 0, bits: vec![0; 2] }],
         }],
+        ..Finished::default()
     }
 }
 
@@ -110,7 +111,7 @@ pub fn code_mut(finished: &mut Finished, level: usize, [x, y]: [usize; 2], compo
     let at = (y * image.width as usize + x) * 3 + component;
     match &mut image.pixels {
         Pixels::U8(codes) => &mut codes[at],
-        Pixels::U16(_) => panic!("made with 8 bits"),
+        Pixels::U16(_) | Pixels::F32(_) => panic!("made with 8 bits"),
     }
 }
 

@@ -98,6 +98,8 @@ pub struct Track {
     pub shift: Vec2,
     /// At both ends, for normals.
     pub frames: Option<[Frame; 2]>,
+    /// At both ends, what multiplies the image.
+    pub tints: Option<[Vec4; 2]>,
 }
 
 impl Track {
@@ -105,6 +107,10 @@ impl Track {
         // The far end exactly: no rounding of the step to it.
         let here = if t == 1.0 { self.to } else { self.from + (self.to - self.from) * t };
         here * self.scale + self.shift
+    }
+
+    fn tinted(&self, value: Vec4, t: f32) -> Vec4 {
+        self.tints.map_or(value, |[from, to]| value * from.lerp(to, t))
     }
 
     /// The one cell that the side stays in, borders included.
@@ -186,7 +192,7 @@ impl Judge<'_> {
     #[inline]
     fn jump(&self, (a, left): (&Track, Vec4), (b, right): (&Track, Vec4), t: f32) -> f32 {
         let (Meaning::Normal { scale }, Some(of_a), Some(of_b)) = (self.meaning, &a.frames, &b.frames) else {
-            return self.difference_codes(left.to_array(), right.to_array());
+            return self.difference_codes(a.tinted(left, t).to_array(), b.tinted(right, t).to_array());
         };
         let (frame_a, frame_b) = (mixed_frame(&of_a[0], &of_a[1], t), mixed_frame(&of_b[0], &of_b[1], t));
         if left == right && frame_a == frame_b {
@@ -222,6 +228,7 @@ impl Judge<'_> {
         match (a.run(), b.run()) {
             (Some((from_a, step_a, count_a)), Some((from_b, step_b, count_b))) => {
                 a.frames == b.frames
+                    && a.tints == b.tints
                     && count_a == count_b
                     && self.images[a.image].equal_runs(
                         &self.images[b.image],
@@ -283,8 +290,15 @@ mod tests {
             let image = Image { width: 4, height: 4, components: 1, pixels: Pixels::U8(codes) };
             let texels = Texels::new(&image, Transfer::Linear, CLAMPED);
             let judge = Judge { images: vec![texels], meaning: Meaning::Data, components: 1 };
-            let track =
-                |from, to| Track { image: 0, from, to, scale: Vec2::ONE, shift: Vec2::ZERO, frames: None };
+            let track = |from, to| Track {
+                image: 0,
+                from,
+                to,
+                scale: Vec2::ONE,
+                shift: Vec2::ZERO,
+                frames: None,
+                tints: None,
+            };
             // Both stay in one cell, and the second ends on texel centers.
             let a = track(Vec2::new(1.5, 0.7), Vec2::new(2.5, 0.9));
             let b = track(Vec2::new(1.5, 1.5), Vec2::new(2.5, 1.5));

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::texels::{encode_codes, tables_of};
-use crate::image::{Image, Pixels, Transfer};
+use crate::image::{Image, Pixels, Transfer, Values};
 use crate::math::transfer::linear_to_srgb;
 
 /// How many levels an image's chain has, with level 0.
@@ -31,7 +31,6 @@ pub fn halved(image: &Image, transfer: Transfer) -> Option<Image> {
         rows: taps(image.height),
         row_codes: image.width as usize * components,
         components,
-        decode,
     };
     let is_even = image.width.is_multiple_of(2) && image.height.is_multiple_of(2);
     let pixels = match &image.pixels {
@@ -49,14 +48,32 @@ pub fn halved(image: &Image, transfer: Transfer) -> Option<Image> {
                 ((if is_color(component) { encode_codes(mean) } else { mean * 255.0 }) + 0.5) as u8
             }))
         }
-        Pixels::U8(codes) => Pixels::U8(shrink.filtered(codes, |component, value| {
-            let code = if is_color(component) { encode_codes(value) } else { value * 255.0 };
-            (code + 0.5) as u8
-        })),
-        Pixels::U16(codes) => Pixels::U16(shrink.filtered(codes, |component, value| {
-            let share = if is_color(component) { linear_to_srgb(value) } else { value };
-            (share * 65535.0 + 0.5) as u16
-        })),
+        Pixels::U8(codes) => {
+            let encoded = |component: usize, value: f32| {
+                let code = if is_color(component) { encode_codes(value) } else { value * 255.0 };
+                (code + 0.5) as u8
+            };
+            Pixels::U8(shrink.filtered(
+                codes,
+                |component, code| decode[component][usize::from(code)],
+                encoded,
+            ))
+        }
+        Pixels::U16(codes) => {
+            let encoded = |component: usize, value: f32| {
+                let share = if is_color(component) { linear_to_srgb(value) } else { value };
+                (share * 65535.0 + 0.5) as u16
+            };
+            Pixels::U16(shrink.filtered(
+                codes,
+                |component, code| decode[component][usize::from(code)],
+                encoded,
+            ))
+        }
+        Pixels::F32(of) => {
+            let values = shrink.filtered(&of.values, |_, value| value, |_, value| value);
+            Pixels::F32(Values { values, ..*of })
+        }
     };
     let (width, height) = (shrink.columns.len() as u32, shrink.rows.len() as u32);
     Some(Image { width, height, components: image.components, pixels })
@@ -119,19 +136,23 @@ fn taps(size: u32) -> Vec<Taps> {
         .collect()
 }
 
-struct Shrink<'a> {
+struct Shrink {
     columns: Vec<Taps>,
     rows: Vec<Taps>,
     row_codes: usize,
     components: usize,
-    /// By component.
-    decode: [&'a [f32]; 4],
 }
 
-impl Shrink<'_> {
-    fn filtered<T>(&self, codes: &[T], encode: impl Fn(usize, f32) -> T + Sync) -> Vec<T>
+impl Shrink {
+    /// `decode` and `encode` get a component's number with what is stored of it, or with its value.
+    fn filtered<T>(
+        &self,
+        codes: &[T],
+        decode: impl Fn(usize, T) -> f32 + Sync,
+        encode: impl Fn(usize, f32) -> T + Sync,
+    ) -> Vec<T>
     where
-        T: Copy + Default + Send + Sync + Into<usize>,
+        T: Copy + Default + Send + Sync,
     {
         let stride = self.columns.len() * self.components;
         let mut coarse = vec![T::default(); stride * self.rows.len()];
@@ -144,8 +165,8 @@ impl Shrink<'_> {
                     for i in 0..column.count {
                         let weight = row.weights[j] * column.weights[i];
                         for component in 0..self.components {
-                            let code: usize = stored[i * self.components + component].into();
-                            sums[component] += weight * self.decode[component][code];
+                            sums[component] +=
+                                weight * decode(component, stored[i * self.components + component]);
                         }
                     }
                 }

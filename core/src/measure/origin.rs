@@ -2,8 +2,9 @@
 //! its charts meet, and how they come apart down the ordinary mip chain.
 
 use std::borrow::Cow;
+use std::sync::LazyLock;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::edges::{EdgePair, Side};
 use super::figures::{Jumps, Survey, survey, weighted_mean};
@@ -12,10 +13,10 @@ use super::mips;
 use super::report::{SourceLevel, Unit};
 use super::surface::{Part, Surface};
 use super::texels::Texels;
-use crate::asset::{AlphaMode, Asset, Material, Slot, TextureRef};
+use crate::asset::{AlphaMode, Asset, Material, Slot, TextureRef, UvTransform};
 use crate::error::Result;
 use crate::finished::Frame;
-use crate::image::Image;
+use crate::image::{Image, Pixels, Wrap, WrapMode};
 use crate::source::tangents;
 use crate::watch::{self, Watch};
 
@@ -37,7 +38,13 @@ pub struct Origin<'a> {
     uvs: Vec<Vec<Vec2>>,
     /// The frames of the triangles' corners, part by part; empty but for normals.
     frames: Vec<Vec<[Frame; 3]>>,
+    /// The linear colors of the vertices, part by part, where they multiply the image; else empty.
+    tints: Vec<Vec<Vec4>>,
 }
+
+/// What a channel without a texture shows before vertex colors multiply it.
+static WHITE: LazyLock<Image> =
+    LazyLock::new(|| Image { width: 1, height: 1, components: 3, pixels: Pixels::U8(vec![255; 3]) });
 
 /// What a slot's texels stand for.
 pub fn meaning(asset: &Asset, material: usize, slot: Slot) -> Meaning {
@@ -51,14 +58,28 @@ pub fn meaning(asset: &Asset, material: usize, slot: Slot) -> Meaning {
 }
 
 impl<'a> Origin<'a> {
-    /// `None` where the material has no texture in that slot.
+    /// `None` where the material has no texture in that slot, nor vertex colors instead. `takes_colors`: vertex colors multiply the
+    /// material's base color.
     ///
     /// # Errors
     /// `Internal` where the surface's triangles are not those of the asset's faces.
-    pub fn new(asset: &'a Asset, surface: &Surface<'_>, slot: Slot) -> Result<Option<Self>> {
+    pub fn new(
+        asset: &'a Asset,
+        surface: &Surface<'_>,
+        slot: Slot,
+        takes_colors: bool,
+    ) -> Result<Option<Self>> {
         let texture = asset.materials.get(surface.material).and_then(|material| material.slot(slot)).copied();
-        let Some(texture) = texture else { return Ok(None) };
-        let Some(image) = asset.images.get(texture.image) else { return Ok(None) };
+        let is_tinted = takes_colors && slot == Slot::BaseColor;
+        let (texture, image) = match texture {
+            Some(texture) => match asset.images.get(texture.image) {
+                Some(image) => (texture, image),
+                None => return Ok(None),
+            },
+            None if is_tinted => (bare_texture(), &*WHITE),
+            None => return Ok(None),
+        };
+        let tints = if is_tinted { surface.parts.iter().map(part_tints).collect() } else { Vec::new() };
         let uvs = surface.parts.iter().map(|part| part_uvs(part, &texture)).collect();
         let meaning = meaning(asset, surface.material, slot);
         let frames = if matches!(meaning, Meaning::Normal { .. }) {
@@ -66,8 +87,13 @@ impl<'a> Origin<'a> {
         } else {
             Vec::new()
         };
-        let components = shown_components(&asset.materials[surface.material], slot, image);
-        Ok(Some(Self { image, components, texture, meaning, uvs, frames }))
+        let material = &asset.materials[surface.material];
+        let has_vertex_alpha = is_tinted && surface.parts.iter().any(|part| part.geometry.has_vertex_alpha());
+        let components = match is_tinted {
+            true => 3 + u8::from(shows_alpha(material, slot) && (image.has_alpha() || has_vertex_alpha)),
+            false => shown_components(material, slot, image),
+        };
+        Ok(Some(Self { image, components, texture, meaning, uvs, frames, tints }))
     }
 
     pub fn texels<'i>(&self, image: &'i Image) -> Texels<'i> {
@@ -84,11 +110,22 @@ impl<'a> Origin<'a> {
         (a * at.x + b * at.y + c * at.z) * size_texels
     }
 
+    /// The vertex colors of corners, where they multiply the image.
+    pub fn corner_tints(&self, part: usize, vertices: [u32; 3]) -> Option<[Vec4; 3]> {
+        self.tints.get(part).map(|tints| vertices.map(|vertex| tints[vertex as usize]))
+    }
+
+    /// A value of the image as a point of a triangle shows it.
+    pub fn tinted(&self, part: usize, vertices: [u32; 3], at: Vec3, value: [f32; 4]) -> [f32; 4] {
+        let Some([a, b, c]) = self.corner_tints(part, vertices) else { return value };
+        (Vec4::from(value) * (a * at.x + b * at.y + c * at.z)).to_array()
+    }
+
     pub fn corner_frames(&self, part: usize, triangle: usize) -> Option<&[Frame; 3]> {
         self.frames.get(part).map(|frames| &frames[triangle])
     }
 
-    /// The pairs where charts meet: the stored coordinates of the two sides differ at an end.
+    /// The pairs where charts meet: the stored coordinates of the two sides differ at an end, or the vertex colors.
     pub fn seam_pairs(&self, surface: &Surface<'_>) -> Vec<u32> {
         let stored = |side: &Side, ends: [usize; 2]| {
             let part = surface.part(side);
@@ -96,12 +133,20 @@ impl<'a> Origin<'a> {
             let triangle = part.triangles[side.triangle as usize];
             ends.map(|k| set.and_then(|set| set.get(triangle[k] as usize)).copied().unwrap_or(Vec2::ZERO))
         };
+        let tints = |side: &Side, ends: [usize; 2]| self.side_tints(surface, side, ends);
         let differs = |pair: &EdgePair| {
             let (a, b) = (stored(&pair.a, pair.a.ends()), stored(&pair.b, pair.ends_of_b()));
-            (0..2).any(|end| (a[end] - b[end]).abs().max_element() > SAME_UV)
+            let same_tints = tints(&pair.a, pair.a.ends()) == tints(&pair.b, pair.ends_of_b());
+            !same_tints || (0..2).any(|end| (a[end] - b[end]).abs().max_element() > SAME_UV)
         };
         let numbered = surface.pairs.iter().enumerate();
         numbered.filter(|(_, pair)| differs(pair)).map(|(number, _)| number as u32).collect()
+    }
+
+    /// At both ends of a side.
+    fn side_tints(&self, surface: &Surface<'_>, side: &Side, ends: [usize; 2]) -> Option<[Vec4; 2]> {
+        let vertices = surface.part(side).triangles[side.triangle as usize];
+        self.corner_tints(side.part as usize, vertices).map(|tints| ends.map(|k| tints[k]))
     }
 
     fn track(&self, surface: &Surface<'_>, side: &Side, ends: [usize; 2], size_texels: Vec2) -> Track {
@@ -115,8 +160,20 @@ impl<'a> Origin<'a> {
             scale: size_texels,
             shift: Vec2::ZERO,
             frames,
+            tints: self.side_tints(surface, side, ends),
         }
     }
+}
+
+/// The place of the white texel, which is everywhere.
+fn bare_texture() -> TextureRef {
+    let wrap = Wrap { s: WrapMode::ClampToEdge, t: WrapMode::ClampToEdge };
+    TextureRef { image: usize::MAX, wrap, texcoord: usize::MAX, transform: UvTransform::default() }
+}
+
+/// White where a primitive has no colors.
+fn part_tints(part: &Part<'_>) -> Vec<Vec4> {
+    part.geometry.vertex_colors().unwrap_or_else(|| vec![Vec4::ONE; part.geometry.positions.len()])
 }
 
 fn part_uvs(part: &Part<'_>, texture: &TextureRef) -> Vec<Vec2> {
@@ -153,9 +210,12 @@ pub struct SeamLevel {
     pub survey: Survey,
 }
 
+fn shows_alpha(material: &Material, slot: Slot) -> bool {
+    slot == Slot::BaseColor && material.alpha_mode != AlphaMode::Opaque
+}
+
 fn shown_components(material: &Material, slot: Slot, image: &Image) -> u8 {
-    let shows_alpha = slot == Slot::BaseColor && material.alpha_mode != AlphaMode::Opaque;
-    if image.has_alpha() && !shows_alpha { image.components - 1 } else { image.components }
+    if image.has_alpha() && !shows_alpha(material, slot) { image.components - 1 } else { image.components }
 }
 
 impl SourceSeams {

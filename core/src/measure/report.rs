@@ -182,7 +182,8 @@ pub struct Fidelity {
     pub p99: f64,
     #[serde(default)]
     pub max: f64,
-    /// What one bilinear resampling of the source onto a grid turned by 27° gives at as many texels.
+    /// What one bilinear resampling of the source onto a grid turned by 27° gives at as many texels. Vertex colors that multiply a
+    /// texture stay as they are.
     pub yardstick_psnr_db: f64,
     pub yardstick_rms: f64,
     pub point_count: u64,

@@ -106,7 +106,7 @@ impl<'a> Converted<'a> {
             .then(|| ends.map(|k| part.frames()[side.triangle as usize][k]));
         let [from, to] = ends.map(|end| triangle.corners[end]);
         let image = self.reads[side.part as usize];
-        Track { image, from, to, scale: map.scale, shift: map.shift, frames }
+        Track { image, from, to, scale: map.scale, shift: map.shift, frames, tints: None }
     }
 }
 

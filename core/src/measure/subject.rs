@@ -17,7 +17,7 @@ use super::{layout, mips, points, surface};
 use crate::asset::{Asset, Slot};
 use crate::error::{Error, Result};
 use crate::finished::Finished;
-use crate::image::{Image, Pixels};
+use crate::image::Image;
 use crate::watch::{self, Watch};
 
 /// Levels of the source that a close-up names.
@@ -150,7 +150,11 @@ impl Subject<'_> {
         let slot = if own.slots().contains(&Slot::Normal) { Slot::Normal } else { slot };
         let meaning = meaning(self.asset, surface.material, slot);
         let converted = Converted::new(surface, own.textures.clone(), meaning)?;
-        let origin = if self.has_source { Origin::new(self.asset, surface, slot)? } else { None };
+        let takes_colors = self.finished.vertex_colors.contains(&surface.material);
+        let origin = match self.has_source {
+            true => Origin::new(self.asset, surface, slot, takes_colors)?,
+            false => None,
+        };
         let level_limit = own.level_count().max(FOCUS_LEVELS);
         self.watch.step(Some("source"));
         let source = match &origin {
@@ -229,7 +233,7 @@ pub fn source(asset: &Asset, watch: &dyn Watch) -> Result<Measured> {
             continue;
         }
         for (slot, slots) in distinct_slots(&material.slots) {
-            let Some(origin) = Origin::new(asset, &surface, slot)? else { continue };
+            let Some(origin) = Origin::new(asset, &surface, slot, false)? else { continue };
             let seams = SourceSeams::survey(&origin, &surface, mips::level_count(origin.image), watch)?;
             let mut channel = described(asset, number, &slots, origin.image);
             channel.unit = origin.meaning.unit();
@@ -279,7 +283,7 @@ fn described(asset: &Asset, material: usize, slots: &[Slot], image: &Image) -> C
         slots: slots.iter().map(|slot| slot.gltf_name().to_owned()).collect(),
         unit: Unit::Codes,
         components: u32::from(image.components),
-        bits: if matches!(image.pixels, Pixels::U8(_)) { 8 } else { 16 },
+        bits: image.bits().into(),
         cuts: CutShare::default(),
         levels: Vec::new(),
         fidelity: None,
@@ -302,9 +306,10 @@ pub fn growth(asset: &Asset, finished: &Finished) -> Growth {
     images.sort_unstable();
     images.dedup();
     let texels = |image: &Image| image.texel_count() as u64;
+    let painted = |image: &Image| texels(image) / u64::from(image.texels_per_painted()).pow(2);
     let vertices = asset.meshes.iter().flat_map(|mesh| &mesh.primitives).map(|p| p.positions.len() as u64);
     Growth {
-        source_texels: images.iter().filter_map(|&image| asset.images.get(image)).map(texels).sum(),
+        source_texels: images.iter().filter_map(|&image| asset.images.get(image)).map(painted).sum(),
         converted_texels: finished.textures.iter().filter_map(|t| t.levels.first()).map(texels).sum(),
         converted_texels_all_levels: finished.textures.iter().flat_map(|t| &t.levels).map(texels).sum(),
         source_vertices: vertices.sum(),

@@ -38,11 +38,11 @@ static OF_16_BITS: LazyLock<Tables> = LazyLock::new(|| tables(65535));
 static OF_HALF_FLOATS: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=u16::MAX).map(|bits| f16::from_bits(bits).to_f32()).collect());
 
-/// The tables of an image's depth.
+/// The tables of an image's depth; values need none.
 pub fn tables_of(image: &Image) -> &'static Tables {
     match image.pixels {
         Pixels::U8(_) => &OF_8_BITS,
-        Pixels::U16(_) => &OF_16_BITS,
+        Pixels::U16(_) | Pixels::F32(_) => &OF_16_BITS,
     }
 }
 
@@ -146,6 +146,7 @@ impl<'a> Texels<'a> {
                 let [color, plain] = [color, plain].map(|table| move |code: u16| table[usize::from(code)]);
                 decoded(codes, self.image.components, at, color, plain)
             }
+            (Pixels::F32(of), _) => decoded(&of.values, self.image.components, at, |v| v, |v| v),
             // Tables are of the image's depth.
             _ => [Vec4::ZERO; 4],
         };

@@ -35,7 +35,7 @@ impl Packed {
         let code_count = width as usize * height as usize * usize::from(like.components);
         let mut pixels = match &like.pixels {
             Pixels::U8(_) => Pixels::U8(vec![0; code_count]),
-            Pixels::U16(_) => Pixels::U16(vec![0; code_count]),
+            Pixels::U16(_) | Pixels::F32(_) => Pixels::U16(vec![0; code_count]),
         };
         let components = usize::from(like.components);
         for piece in &self.pieces[part] {

@@ -93,5 +93,8 @@ fn codes(image: &Image, texel: usize) -> u64 {
     match &image.pixels {
         Pixels::U8(all) => all[range].iter().fold(0, |word, &code| word << 8 | u64::from(code)),
         Pixels::U16(all) => all[range].iter().fold(0, |word, &code| word << 16 | u64::from(code)),
+        Pixels::F32(all) => all.values[range]
+            .iter()
+            .fold(0, |word: u64, value| word.rotate_left(16) ^ u64::from(value.to_bits())),
     }
 }

@@ -115,7 +115,7 @@ fn is_unchanged(sheets: &[&Sheet], packed: &Packed) -> Result<(), TestCaseError>
     let parts: Vec<Vec<Image>> = (0..packed.pages.len()).map(|part| packed.images(part, &channels)).collect();
     let code = |image: &Image, place: Vec2| match &image.pixels {
         Pixels::U8(codes) => codes[place.y as usize * image.width as usize + place.x as usize],
-        Pixels::U16(_) => unreachable!(),
+        Pixels::U16(_) | Pixels::F32(_) => unreachable!(),
     };
     for (sheet, spots) in sheets.iter().zip(&packed.spots) {
         for (level, old) in sheet.levels.iter().enumerate() {

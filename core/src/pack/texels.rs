@@ -91,5 +91,6 @@ pub fn are_equal(image: &Image, mut pairs: impl Iterator<Item = (usize, usize)>)
     match &image.pixels {
         Pixels::U8(all) => pairs.all(|(a, b)| codes(all, a, count) == codes(all, b, count)),
         Pixels::U16(all) => pairs.all(|(a, b)| codes(all, a, count) == codes(all, b, count)),
+        Pixels::F32(all) => pairs.all(|(a, b)| codes(&all.values, a, count) == codes(&all.values, b, count)),
     }
 }

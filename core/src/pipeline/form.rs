@@ -2,7 +2,7 @@
 
 use crate::asset::{AlphaMode, Asset, MeshColorChannel, Slot};
 use crate::assign::Codec;
-use crate::image::{Pixels, Transfer};
+use crate::image::Transfer;
 use crate::source::{ChannelKind, SourceChannel};
 
 #[derive(Clone, Debug)]
@@ -16,17 +16,13 @@ pub struct ChannelForm {
 impl ChannelForm {
     /// As its texture stores it, without an alpha that nobody reads.
     pub fn of_source(channel: &SourceChannel<'_>) -> Self {
-        let bits = match channel.image.pixels {
-            Pixels::U8(_) => 8,
-            Pixels::U16(_) => 16,
-        };
-        let is_gray = channel.image.components <= 2 && !channel.is_normal();
+        let is_gray = channel.image.components <= 2 && !channel.is_normal() && !channel.is_tinted;
         let components = if is_gray { 1 } else { 3 } + u8::from(channel.is_alpha_weighted());
         Self {
             material: channel.material,
             slots: channel.slots.clone(),
             kind: channel.kind,
-            codec: Codec { transfer: channel.transfer, components, bits },
+            codec: Codec { transfer: channel.transfer, components, bits: channel.image.bits() },
         }
     }
 

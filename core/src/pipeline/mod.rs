@@ -6,18 +6,19 @@ mod bare_normals;
 mod changes;
 mod channel;
 mod compression;
-mod form;
+pub(crate) mod form;
 mod group;
 mod material;
 pub mod options;
-mod painted;
-mod prepare;
+pub(crate) mod painted;
+pub(crate) mod prepare;
 mod progress;
 mod report;
 mod represent;
 #[cfg(test)]
 mod tests;
 mod together;
+mod vertex_colors;
 
 pub use crate::assign::{Range, Rounding};
 pub use crate::layout::{Coordinates, Packing};
@@ -25,9 +26,11 @@ pub use crate::measure::Focus;
 pub use crate::mip::{Beyond, MipFilter};
 pub use crate::resample::{Resolution, Sampling};
 pub use crate::solve::Solver;
+pub use crate::write::GeometryFormat;
 pub use crate::write::textures::{BlockFormat, TextureFormat};
 pub use options::{OPTIONS, OptionSpec, Options, Quality};
 pub use prepare::{Content, Prepared, prepare};
+pub use vertex_colors::VertexColors;
 
 use crate::asset::Asset;
 use crate::error::{Error, ErrorCode, Result};
@@ -108,11 +111,15 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     let mut progress = Progress::new(watch);
     progress.part(1.0);
     progress.advance(READ_SHARE);
+    let takers = vertex_colors::takers(asset, options.vertex_colors);
     let (mut materials, sets) = convert_materials(asset, options, limits, watch, &mut progress)?;
-    let painted = if options.mesh_colors { painted::materials(asset, &mut materials) } else { Vec::new() };
+    let painted = match options.mesh_colors {
+        true => painted::materials(asset, &mut materials, &takers),
+        false => Vec::new(),
+    };
     watch.stage(Stage::Layout);
     let groups = groups(&materials, sets, options)?;
-    let finished = assemble(asset, &mut materials, &groups);
+    let finished = Finished { vertex_colors: takers, ..assemble(asset, &mut materials, &groups) };
     watch.stage(Stage::Measure);
     let extras = report::extras(&materials, &groups);
     let measured = measure::converted(asset, &finished, &extras, watch)?;
@@ -123,17 +130,18 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     let compressed = blocks.as_ref().map(|blocks| &blocks.compressed);
     let source = write::textures::Source { asset, finished: &finished, pngs: &pngs, compressed };
     let loose = write::textures::files(&source, &options.textures, watch)?;
-    let glb = write::glb_of(asset, &finished, pngs, watch)?;
+    let glb = write::glb_of(asset, &finished, pngs, options.geometry, watch)?;
     let focus = measured.focus;
     let converted = report::Converted { asset, finished: &finished, materials: &materials, groups: &groups };
     let mut report = report::of_conversion(&converted, measured, options, &glb);
+    report.warnings.extend(vertex_colors::warnings(asset, options.vertex_colors, &finished.vertex_colors));
     report.compression = blocks.map(|blocks| blocks.reports).unwrap_or_default();
     let mut files = vec![
         BundleFile { path: "asset.glb".into(), bytes: glb.bytes },
         BundleFile { path: "report.json".into(), bytes: report::to_bytes(&report)? },
     ];
     if !painted.is_empty() {
-        let bytes = write::mesh_colors_glb(asset, &painted, watch)?;
+        let bytes = write::mesh_colors_glb(asset, &painted, None, watch)?;
         files.push(BundleFile { path: "mesh_colors.glb".into(), bytes });
     }
     files.extend(loose);
@@ -149,7 +157,9 @@ fn convert_materials(
     watch: &dyn Watch,
     progress: &mut Progress<'_>,
 ) -> Result<(Vec<MaterialConversion>, Vec<Vec<usize>>)> {
-    let channels: Vec<_> = (0..asset.materials.len()).map(|material| channels(asset, material)).collect();
+    let takers = vertex_colors::takers(asset, options.vertex_colors);
+    let of_material = |material: usize| channels(asset, material, takers.contains(&material));
+    let channels: Vec<_> = (0..asset.materials.len()).map(of_material).collect();
     let mut prepared = Vec::new();
     watch.stage(Stage::Resample);
     for (material, channels) in channels.iter().enumerate() {
@@ -158,9 +168,10 @@ fn convert_materials(
     }
     if prepared.is_empty() {
         let detail = format!(
-            "the model has {} materials and none of them has both a texture in one of the five core slots and faces; \
-             give it a textured material",
-            asset.materials.len()
+            "the model has {} materials and none of them has both faces and something to convert: a texture in one of the five \
+             core slots, mesh colors, or vertex colors ({}); give it a textured material",
+            asset.materials.len(),
+            vertex_colors::rule(options.vertex_colors)
         );
         return Err(Error::new(ErrorCode::NothingToConvert, detail).at("/materials"));
     }

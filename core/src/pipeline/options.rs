@@ -16,11 +16,14 @@ use crate::layout::{Coordinates, Packing};
 use crate::mip::{Beyond, MipFilter};
 use crate::resample::{Resolution, Sampling};
 use crate::solve::Solver;
+use crate::write::GeometryFormat;
 use crate::write::textures::{BlockFormat, TextureFormat};
 
+use super::vertex_colors::VertexColors;
+
 use table::{
-    BEYONDS, BLOCKS, COORDINATES, MAX_SIDE_LEAST, MAX_SIDE_MOST, MIP_FILTERS, PACKINGS, QUALITIES, RANGES,
-    ROUNDINGS, SAMPLINGS, SOLVERS, SWITCH, TEXELS_MAX, TEXTURES,
+    BEYONDS, BLOCKS, COORDINATES, GEOMETRIES, MAX_SIDE_LEAST, MAX_SIDE_MOST, MIP_FILTERS, PACKINGS,
+    QUALITIES, RANGES, ROUNDINGS, SAMPLINGS, SOLVERS, SWITCH, TEXELS_MAX, TEXTURES, VERTEX_COLORS,
 };
 pub use table::{OPTIONS, OptionSpec};
 use text::{NONE, in_range, list, name_of, named, optional, parse_list};
@@ -57,6 +60,10 @@ pub struct Options {
     pub compress: BTreeSet<BlockFormat>,
     /// Whether the samples of level 0 come along too.
     pub mesh_colors: bool,
+    /// How vertices and indices of `asset.glb` are stored.
+    pub geometry: GeometryFormat,
+    /// Whether vertex colors become base color.
+    pub vertex_colors: VertexColors,
 }
 
 impl Default for Options {
@@ -96,6 +103,8 @@ impl Options {
             textures: BTreeSet::new(),
             compress: BTreeSet::new(),
             mesh_colors: false,
+            geometry: GeometryFormat::Plain,
+            vertex_colors: VertexColors::Auto,
         };
         match quality {
             Quality::Draft => {
@@ -119,6 +128,8 @@ impl Options {
             textures,
             compress,
             mesh_colors,
+            geometry,
+            vertex_colors,
             ..
         } = self.clone();
         *self = Self {
@@ -131,6 +142,8 @@ impl Options {
             textures,
             compress,
             mesh_colors,
+            geometry,
+            vertex_colors,
             ..Self::of(quality)
         };
     }
@@ -170,6 +183,8 @@ impl Options {
             }
             "textures" => self.textures = parse_textures(value)?,
             "mesh-colors" => self.mesh_colors = named(SWITCH, value).ok_or_else(refuse)?,
+            "geometry" => self.geometry = named(GEOMETRIES, value).ok_or_else(refuse)?,
+            "vertex-colors" => self.vertex_colors = named(VERTEX_COLORS, value).ok_or_else(refuse)?,
             "compress" => {
                 self.compress = parse_list(BLOCKS, value).filter(is_one_way).ok_or_else(refuse)?;
             }
@@ -250,6 +265,8 @@ impl Options {
             list(TEXTURES, &self.textures).into(),
             list(BLOCKS, &self.compress).into(),
             self.mesh_colors.into(),
+            name_of(GEOMETRIES, self.geometry).into(),
+            name_of(VERTEX_COLORS, self.vertex_colors).into(),
         ];
         OPTIONS.iter().map(|spec| spec.name.to_owned()).zip(values).collect()
     }

@@ -1,6 +1,6 @@
 //! Mesh colors that a model brings along, and those that a conversion keeps: to and from samples by number.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{Vec3, Vec4};
 
@@ -136,14 +136,7 @@ fn check_count(
     channel: &MeshColorChannel,
 ) -> Result<()> {
     let topology = ChannelTopology::new(canvas, resolutions, cuts);
-    let on_edges: u64 = topology.strips.iter().map(|strip| (1u64 << strip.exponent) - 1).sum();
-    let inside = |(face, exponents): (&CanvasFace, &[u8; 2])| {
-        let shape =
-            Shape { is_triangle: face.is_triangle(), segments: exponents.map(|exponent| 1 << exponent) };
-        u64::from(shape.interior_count())
-    };
-    let inside: u64 = canvas.faces.iter().zip(&resolutions.faces).map(inside).sum();
-    let vertices = topology.fan_count() as u64;
+    let [vertices, on_edges, inside] = sample_counts(canvas, resolutions, &topology);
     let wanted = vertices + on_edges + inside;
     let count = (channel.samples.len() / usize::from(channel.components)) as u64;
     if wanted == count && u32::try_from(wanted).is_ok() {
@@ -155,24 +148,40 @@ fn check_count(
     )))
 }
 
+/// Samples of a channel at vertices, on edges and inside of faces.
+pub fn sample_counts(canvas: &CanvasMesh, resolutions: &Resolutions, topology: &ChannelTopology) -> [u64; 3] {
+    let on_edges = topology.strips.iter().map(|strip| (1u64 << strip.exponent) - 1).sum();
+    let inside = |(face, exponents): (&CanvasFace, &[u8; 2])| {
+        let shape =
+            Shape { is_triangle: face.is_triangle(), segments: exponents.map(|exponent| 1 << exponent) };
+        u64::from(shape.interior_count())
+    };
+    let inside = canvas.faces.iter().zip(&resolutions.faces).map(inside).sum();
+    [topology.fan_count() as u64, on_edges, inside]
+}
+
+/// The samples of a channel by their numbers, as they are.
+pub fn unpacked(channel: &MeshColorChannel) -> impl Iterator<Item = Vec4> {
+    let sample = |stored: &[f32]| match *stored {
+        [gray] => Vec4::new(gray, gray, gray, 1.0),
+        [gray, alpha] => Vec4::new(gray, gray, gray, alpha),
+        [r, g, b] => Vec4::new(r, g, b, 1.0),
+        [r, g, b, alpha, ..] => Vec4::new(r, g, b, alpha),
+        [] => Vec4::W,
+    };
+    channel.samples.chunks_exact(usize::from(channel.components)).map(sample)
+}
+
 impl Painted<'_> {
     /// The samples of a channel by their numbers, color and data within [0, 1].
     pub fn samples(&self, channel: usize) -> Vec<Vec4> {
         let channel = &self.colors.channels[channel];
         let is_normal = channel.slots.contains(&Slot::Normal);
-        let sample = |stored: &[f32]| match *stored {
-            [gray] => Vec4::new(gray, gray, gray, 1.0),
-            [gray, alpha] => Vec4::new(gray, gray, gray, alpha),
-            [r, g, b] => Vec4::new(r, g, b, 1.0),
-            [r, g, b, alpha, ..] => Vec4::new(r, g, b, alpha),
-            [] => Vec4::W,
-        };
         let in_range = |value: Vec4| match is_normal {
             true => value,
             false => value.clamp(Vec4::ZERO, Vec4::ONE),
         };
-        let stored = channel.samples.chunks_exact(usize::from(channel.components));
-        stored.map(|stored| in_range(sample(stored))).collect()
+        unpacked(channel).map(in_range).collect()
     }
 
     /// By face: the frames that its normals are to be stored in, if it says.
@@ -189,12 +198,18 @@ impl Painted<'_> {
 }
 
 /// The mesh colors of all converted materials, whose samples were kept and are taken.
-pub fn materials(asset: &Asset, conversions: &mut [MaterialConversion]) -> Vec<PaintedMaterial> {
+/// `takers`: those that took their vertex colors.
+pub fn materials(
+    asset: &Asset,
+    conversions: &mut [MaterialConversion],
+    takers: &BTreeSet<usize>,
+) -> Vec<PaintedMaterial> {
     let one = |conversion: &mut MaterialConversion| {
         let colors = mesh_colors(asset, conversion);
         let stand_ins = conversion.channels.iter().zip(&colors.channels);
         let stand_ins = stand_ins.map(|(own, channel)| stand_in(&own.form, &channel.samples)).collect();
-        PaintedMaterial { material: conversion.material, colors, stand_ins }
+        let material = conversion.material;
+        PaintedMaterial { material, colors, stand_ins, takes_colors: takers.contains(&material) }
     };
     conversions.iter_mut().map(one).collect()
 }
@@ -223,9 +238,6 @@ fn mesh_colors(asset: &Asset, conversion: &mut MaterialConversion) -> MeshColors
     let partners = partners(asset, &conversion.canvas, conversion.material);
     let MaterialConversion { canvas, resolutions, channels, given_frames, .. } = conversion;
     let channels = channels.iter_mut().map(|channel| {
-        let is_cut = |face: &CanvasFace, k: usize| channel.cuts.edges[face.edges[k] as usize];
-        let bits = |face: &CanvasFace| (0..face.count()).map(|k| u8::from(is_cut(face, k)) << k).sum();
-        let cuts: Vec<u8> = canvas.faces.iter().map(bits).collect();
         let tangent = |frames: &Option<[Frame; 4]>| match frames {
             Some(frames) => frames.map(|frame| frame.tangent.to_array()),
             None => [[0.0; 4]; 4],
@@ -235,7 +247,7 @@ fn mesh_colors(asset: &Asset, conversion: &mut MaterialConversion) -> MeshColors
             slots: channel.form.slots.clone(),
             components: channel.form.codec.components,
             bits: channel.form.codec.bits,
-            cuts: if cuts.iter().any(|&bits| bits != 0) { cuts } else { Vec::new() },
+            cuts: cut_bits(canvas, &channel.cuts),
             samples: std::mem::take(&mut channel.finest_samples),
             tangents: if is_given { given_frames.iter().map(tangent).collect() } else { Vec::new() },
         }
@@ -244,21 +256,50 @@ fn mesh_colors(asset: &Asset, conversion: &mut MaterialConversion) -> MeshColors
     MeshColors { partners, exponents: resolutions.faces.clone(), channels }
 }
 
-/// By face of the model.
-fn partners(asset: &Asset, canvas: &CanvasMesh, material: usize) -> Vec<Option<u32>> {
-    let mut firsts = BTreeMap::new();
-    let mut count = 0u32;
-    for (mesh_number, mesh) in (0u32..).zip(&asset.meshes) {
-        for (number, primitive) in (0u32..).zip(&mesh.primitives) {
-            if primitive.material == Some(material) {
-                firsts.insert((mesh_number, number), count);
-                count += primitive.faces.len() as u32;
+/// By face: which of its edges are cuts; empty where none is.
+pub fn cut_bits(canvas: &CanvasMesh, cuts: &Cuts) -> Vec<u8> {
+    let bits = |face: &CanvasFace| {
+        (0..face.count()).map(|k| u8::from(cuts.edges[face.edges[k] as usize]) << k).sum()
+    };
+    let bits: Vec<u8> = canvas.faces.iter().map(bits).collect();
+    if bits.iter().all(|bits| *bits == 0) { Vec::new() } else { bits }
+}
+
+/// The faces of the model that show a material, in the order of meshes, primitives and faces.
+pub struct ModelFaces {
+    /// By mesh and primitive: the number of its first.
+    firsts: BTreeMap<(u32, u32), u32>,
+    /// By number: mesh, primitive and face.
+    pub places: Vec<[u32; 3]>,
+}
+
+impl ModelFaces {
+    pub fn of(asset: &Asset, material: usize) -> Self {
+        let mut this = Self { firsts: BTreeMap::new(), places: Vec::new() };
+        for (mesh_number, mesh) in (0u32..).zip(&asset.meshes) {
+            for (number, primitive) in (0u32..).zip(&mesh.primitives) {
+                if primitive.material == Some(material) {
+                    this.firsts.insert((mesh_number, number), this.places.len() as u32);
+                    let faces = 0..primitive.faces.len() as u32;
+                    this.places.extend(faces.map(|face| [mesh_number, number, face]));
+                }
             }
         }
+        this
     }
-    let mut partners = vec![None; count as usize];
+
+    /// The numbers of a face's drawn triangles.
+    pub fn drawn(&self, face: &CanvasFace) -> [u32; 2] {
+        face.drawn.map(|drawn| self.firsts[&(face.mesh, drawn.primitive)] + drawn.face)
+    }
+}
+
+/// By face of the model.
+fn partners(asset: &Asset, canvas: &CanvasMesh, material: usize) -> Vec<Option<u32>> {
+    let faces = ModelFaces::of(asset, material);
+    let mut partners = vec![None; faces.places.len()];
     for face in canvas.faces.iter().filter(|face| face.is_pair()) {
-        let [one, other] = face.drawn.map(|drawn| firsts[&(face.mesh, drawn.primitive)] + drawn.face);
+        let [one, other] = faces.drawn(face);
         partners[one as usize] = Some(other);
         partners[other as usize] = Some(one);
     }

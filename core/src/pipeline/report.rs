@@ -85,7 +85,7 @@ pub fn of_conversion(
             layout.savings = Some(savings(&packed.savings));
         }
     }
-    report.effects = effects(materials, options);
+    report.effects = effects(materials, finished.vertex_colors.len(), options);
     report
 }
 
@@ -252,8 +252,8 @@ impl Counts {
     }
 }
 
-/// What was done and what the asset did not call for.
-fn effects(materials: &[MaterialConversion], options: &Options) -> Vec<Effect> {
+/// What was done and what the asset did not call for. `taker_count`: materials that took their vertex colors.
+fn effects(materials: &[MaterialConversion], taker_count: usize, options: &Options) -> Vec<Effect> {
     let effect = |name: &str, run: Option<String>, reason: &str| Effect {
         name: name.to_owned(),
         state: if run.is_some() { EffectState::Run } else { EffectState::Skipped },
@@ -322,6 +322,14 @@ fn effects(materials: &[MaterialConversion], options: &Options) -> Vec<Effect> {
             "alpha_coverage",
             some(masks, format!("{masks} masked channels keep the share of surface that passes the cutoff")),
             "no masked material",
+        ),
+        effect(
+            "vertex_colors",
+            some(
+                taker_count,
+                format!("{taker_count} materials hold their vertex colors in their base color"),
+            ),
+            "no material took vertex colors, see `vertex-colors`",
         ),
     ]
 }

@@ -70,7 +70,7 @@ impl Stored {
                     (Pixels::U8(to), Pixels::U8(from)) => self.copy(&rows, from, to),
                     (Pixels::U16(to), Pixels::U16(from)) if self.is_kept => self.copy(&rows, from, to),
                     (Pixels::U16(to), _) => self.encode(&rows, material, level, to),
-                    (Pixels::U8(_), Pixels::U16(_)) => {}
+                    (Pixels::U8(_) | Pixels::F32(_), _) => {}
                 }
             }
         }

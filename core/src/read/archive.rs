@@ -123,12 +123,12 @@ impl Unpacked<'_> {
 fn the_only_model(files: &BTreeMap<String, Vec<u8>>) -> Result<String> {
     let is_model = |name: &str| {
         let name = name.to_ascii_lowercase();
-        [".glb", ".gltf", ".obj"].iter().any(|extension| name.ends_with(extension))
+        [".glb", ".gltf", ".obj", ".ply"].iter().any(|extension| name.ends_with(extension))
     };
     let models: Vec<&String> = files.keys().filter(|name| is_model(name)).collect();
     match models[..] {
         [one] => Ok(one.clone()),
-        [] => Err(Error::invalid("the archive holds no model; it must hold one .glb, .gltf or .obj")),
+        [] => Err(Error::invalid("the archive holds no model; it must hold one .glb, .gltf, .obj or .ply")),
         _ => {
             let listed: Vec<String> = models.iter().take(5).map(|name| quoted(name)).collect();
             let more = if models.len() > 5 { ", …" } else { "" };

@@ -1,6 +1,6 @@
 //! What kind of file it is, by its first bytes; names say nothing.
 
-use super::glb;
+use super::{glb, ptex};
 use crate::error::{Error, ErrorCode, Result};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -8,6 +8,7 @@ pub(super) enum Container {
     Glb,
     GltfJson,
     Obj,
+    Ply,
     Zip,
 }
 
@@ -26,6 +27,9 @@ pub(super) fn detect(bytes: &[u8]) -> Result<Container> {
     if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
         return Ok(Container::Zip);
     }
+    if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+        return Ok(Container::Ply);
+    }
     let text = without_bom(bytes);
     if text.trim_ascii_start().first() == Some(&b'{') {
         return Ok(Container::GltfJson);
@@ -33,9 +37,14 @@ pub(super) fn detect(bytes: &[u8]) -> Result<Container> {
     if looks_like_obj(&text[..text.len().min(LOOKED_AT)]) {
         return Ok(Container::Obj);
     }
+    if ptex::is_ptex(bytes) {
+        let detail =
+            "the file is a Ptex texture; convert the OBJ file of its mesh, with the texture beside it";
+        return Err(Error::new(ErrorCode::UnsupportedMediaType, detail));
+    }
     let head: Vec<String> = bytes.iter().take(8).map(|b| format!("{b:02x}")).collect();
     let detail = format!(
-        "the file is none of glTF (.glb, .gltf), OBJ or zip by its first bytes ({})",
+        "the file is none of glTF (.glb, .gltf), OBJ, PLY or zip by its first bytes ({})",
         if head.is_empty() { "it is empty".to_owned() } else { head.join(" ") }
     );
     Err(Error::new(ErrorCode::UnsupportedMediaType, detail))

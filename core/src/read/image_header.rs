@@ -1,9 +1,9 @@
 //! Size and soundness of an image file from its outside: PNG's first chunk, JPEG's marker segments,
-//! WebP's chunks.
+//! WebP's chunks, KTX2's header and what it points at.
 //!
 //! The JPEG walk goes to the end mark: the decoder fills up what a truncated file lacks, and says nothing.
 
-use super::webp_header;
+use super::{basis, webp_header};
 use crate::error::{Error, ErrorCode, Result};
 
 /// Scans of a progressive JPEG. Encoders write about ten; each costs a pass over the whole picture, so a
@@ -15,6 +15,7 @@ pub(super) enum Format {
     Png,
     Jpeg,
     WebP,
+    Basis,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +38,9 @@ pub(super) fn format(bytes: &[u8]) -> Option<Format> {
     if bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") {
         return Some(Format::WebP);
     }
+    if bytes.starts_with(&basis::MARK) {
+        return Some(Format::Basis);
+    }
     bytes.starts_with(b"\xFF\xD8\xFF").then_some(Format::Jpeg)
 }
 
@@ -45,8 +49,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header> {
         Some(Format::Png) => png(bytes),
         Some(Format::Jpeg) => jpeg(bytes)?,
         Some(Format::WebP) => webp_header::read(bytes)?,
+        Some(Format::Basis) => Some(basis::header(bytes)?),
         None => {
-            let detail = "the image is neither PNG nor JPEG nor WebP by its first bytes";
+            let detail = "the image is none of PNG, JPEG, WebP and KTX2 by its first bytes";
             return Err(Error::new(ErrorCode::UnsupportedMediaType, detail));
         }
     };
@@ -57,7 +62,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header> {
     }
 }
 
-fn truncated() -> Error {
+pub(super) fn truncated() -> Error {
     Error::invalid("the image file is truncated")
 }
 

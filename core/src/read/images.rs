@@ -1,4 +1,4 @@
-//! Image files to planes: PNG, JPEG and WebP, told by their first bytes, sizes checked before decoding, each
+//! Image files to planes: PNG, JPEG, WebP and Basis Universal, told by their first bytes, sizes checked before decoding, each
 //! file decoded once however often it is named.
 
 use std::collections::HashMap;
@@ -9,6 +9,8 @@ use image::{
 };
 use rayon::prelude::*;
 
+use super::basis;
+use super::budget::with_pixels;
 use super::image_header::{self, Header};
 use super::{Context, Limits, image_header::Format};
 use crate::asset::EncodedImage;
@@ -53,10 +55,11 @@ pub(super) fn decode_all(
     }
     let is_copy = |index: usize| wanted[index] == Wanted::InPlace && canonical[index] != index;
     let mut headers = Vec::new();
-    let mut total_pixels = 0u64;
+    let mut total_pixels = context.budget.pixels();
     for (index, file) in encoded.iter().enumerate().filter(|(index, _)| chosen[*index] || is_copy(*index)) {
         let header = checked_header(&file.bytes, limits, &place(index))?;
-        total_pixels = add_pixels(total_pixels, header, limits).map_err(|error| error.at(place(index)))?;
+        total_pixels =
+            with_pixels(total_pixels, header.pixels(), limits).map_err(|error| error.at(place(index)))?;
         if chosen[index] {
             headers.push((index, header));
         }
@@ -81,19 +84,6 @@ pub(super) fn decode_all(
     Ok(Decoded { images, canonical })
 }
 
-/// The total with one image more, within what all may have together.
-fn add_pixels(total: u64, header: Header, limits: &Limits) -> Result<u64> {
-    let total = total.saturating_add(header.pixels());
-    if total <= limits.job_pixels {
-        return Ok(total);
-    }
-    let detail = format!(
-        "the images together have at least {total} pixels; the limit is {} (limit `job_pixels`)",
-        limits.job_pixels
-    );
-    Err(Error::new(ErrorCode::ImageTooLarge, detail).limit(limits.job_pixels, total))
-}
-
 fn placeholder() -> Image {
     Image { width: 1, height: 1, components: 1, pixels: Pixels::U8(vec![0]) }
 }
@@ -113,6 +103,7 @@ pub(super) fn media_type_of(bytes: &[u8]) -> Option<&'static str> {
         Format::Png => "image/png",
         Format::Jpeg => "image/jpeg",
         Format::WebP => "image/webp",
+        Format::Basis => "image/ktx2",
     })
 }
 
@@ -155,6 +146,7 @@ fn decode(bytes: &[u8], header: Header) -> Result<Image> {
             decoder.set_limits(limits)?;
             DynamicImage::from_decoder(decoder)
         }),
+        Format::Basis => return basis::decode(bytes),
     };
     let picture = picture.map_err(|error| Error::invalid(format!("the image cannot be decoded: {error}")))?;
     to_planes(picture)

@@ -1,8 +1,9 @@
-//! Bytes to [`Asset`]: glTF 2.0 (`.glb`, `.gltf` with its files, zip) and OBJ with MTL.
+//! Bytes to [`Asset`]: glTF 2.0 (`.glb`, `.gltf` with its files, zip), OBJ with MTL and Ptex, and PLY.
 //!
 //! Every URI is resolved here, inside the upload alone; sizes are checked before anything is allocated.
 
 mod archive;
+mod basis;
 mod budget;
 mod container;
 mod data_uri;
@@ -13,7 +14,10 @@ mod image_header;
 mod images;
 mod json;
 mod limits;
+mod made_up;
 mod obj;
+mod ply;
+mod ptex;
 mod resources;
 mod text;
 mod upload;
@@ -93,6 +97,7 @@ fn read_model(
         }
         Container::GltfJson => gltf::read(json::parse(bytes, limits)?, None, &mut context)?,
         Container::Obj => obj::read(bytes, &upload.main, &mut context)?,
+        Container::Ply => ply::read(bytes, &upload.main, &mut context)?,
         Container::Zip => return Err(Error::internal("an archive reached the model readers")),
     };
     asset.warnings = context.warnings.into_list();

@@ -29,7 +29,7 @@ impl Files for MemoryFiles {
 }
 
 /// A model with its files. The main file's type is decided by its first bytes, not by its name; a zip
-/// must hold exactly one `.glb`, `.gltf` or `.obj` (files in its folder are found relative to it).
+/// must hold exactly one `.glb`, `.gltf`, `.obj` or `.ply` (files in its folder are found relative to it).
 pub struct Upload {
     /// Path of the main file inside `files`.
     pub main: String,

@@ -82,10 +82,12 @@ fn drawn_end(canvas: &CanvasMesh, side: Side, end: usize) -> (usize, usize) {
     (triangle, ends[usize::from(face.is_reversed(edge) != (end == 1))])
 }
 
-/// Whether two sides show the same without looking: the same places, of normals in the same frames.
+/// Whether two sides show the same without looking: the same places, of normals in the same frames, with the same vertex colors.
 fn is_same(source: &SurfaceSource<'_>, canvas: &CanvasMesh, a: Side, b: Side) -> bool {
     let frame = |side: Side, end: usize| source.frame(side.face as usize, drawn_end(canvas, side, end));
-    ends(source, canvas, a) == ends(source, canvas, b) && (0..2).all(|end| frame(a, end) == frame(b, end))
+    let tint = |side: Side, end: usize| source.tint(side.face as usize, drawn_end(canvas, side, end));
+    ends(source, canvas, a) == ends(source, canvas, b)
+        && (0..2).all(|end| frame(a, end) == frame(b, end) && tint(a, end) == tint(b, end))
 }
 
 fn length_texels(source: &SurfaceSource<'_>, canvas: &CanvasMesh, side: Side) -> f32 {

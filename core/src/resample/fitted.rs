@@ -24,7 +24,6 @@ use super::quadrature::{CellSums, Quadrature, Subject};
 use super::samples::strata_of;
 use crate::colors::{LevelNumbering, Shape};
 use crate::error::Result;
-use crate::image::Pixels;
 use crate::math::mean::TRANSPARENT_WEIGHT;
 use crate::source::SurfaceSource;
 use crate::watch::Watch;
@@ -67,10 +66,7 @@ pub fn fit(
     let (wanted, color_weights) = integrate(source, numbering, &cell_areas, &mut borders, watch)?;
     let mass = Mass { numbering, cell_areas: &cell_areas, color_weights };
     let mut solver = Solver::new(&mass, values, wanted, borders, watch)?;
-    let tolerance = match source.channel.image.pixels {
-        Pixels::U8(_) => 1e-5,
-        Pixels::U16(_) => 1e-6,
-    };
+    let tolerance = if source.channel.image.bits() == 8 { 1e-5 } else { 1e-6 };
     let (step_count, residual) = solver.descend(tolerance, watch)?;
     let clamped_count =
         if source.channel.is_normal() { 0 } else { solver.bring_into_range(tolerance, watch)? };

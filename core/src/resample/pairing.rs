@@ -4,7 +4,7 @@ use glam::Vec2;
 
 use crate::math::matching::{WeightedEdge, maximum_weight_matching};
 use crate::mesh::{CanvasEdge, CanvasMesh, Side};
-use crate::source::SurfaceSource;
+use crate::source::{SurfaceSource, kink_codes};
 
 /// Steps of one texel in a pair's weight.
 const WEIGHT_STEPS: f32 = 16.0;
@@ -51,7 +51,8 @@ fn candidate(costs: &Costs<'_>, edge: &CanvasEdge) -> Option<WeightedEdge> {
     if weight.is_nan() || weight < 1.0 {
         return None;
     }
-    let weight = weight.min(WEIGHT_MAX) as i64 * TIES + costs.tie(a) + costs.tie(b);
+    let tie = costs.smoothness(a, b).unwrap_or_else(|| costs.tie(a) + costs.tie(b));
+    let weight = weight.min(WEIGHT_MAX) as i64 * TIES + tie;
     Some(WeightedEdge { nodes: [a.face, b.face], weight })
 }
 
@@ -76,6 +77,15 @@ impl Costs<'_> {
         let [facing_next, facing_last] = if same_way { [last_b, next_b] } else { [next_b, last_b] };
         let [n, m] = [next_a.max(facing_next), last_a.max(facing_last)].map(|length| length.max(1.0));
         lone(sides_a) + lone(sides_b) - (n + 1.0) * (m + 1.0)
+    }
+
+    /// Of vertex colors alone, a number below [`TIES`]: the larger, the less a pair's two triangles are bent against each other.
+    fn smoothness(&self, a: Side, b: Side) -> Option<i64> {
+        let source = self.source.filter(|source| source.channel.is_bare())?;
+        let tint =
+            |side: Side, k: usize| source.tint(side.face as usize, (0, (usize::from(side.edge) + k) % 3));
+        let kink = kink_codes([tint(a, 0)?, tint(a, 1)?], [tint(a, 2)?, tint(b, 2)?]);
+        Some(((1.0 - kink / 256.0) * (TIES - 1) as f32) as i64)
     }
 
     /// A number below half of [`TIES`] by where in the source the side lies. So which of several matchings that save as

@@ -47,7 +47,7 @@ pub(super) fn image(code: impl Fn(u32, u32) -> u8) -> Image {
 
 fn samples(asset: &Asset, exponent: u8, kernel: Sampling) -> (Vec<Vec4>, Cuts) {
     let canvas = canvas_of(asset);
-    let channels = channels(asset, 0);
+    let channels = channels(asset, 0, false);
     let source = SurfaceSource::new(&channels[0], asset, &canvas);
     let cuts = find_cuts(&source, &canvas, 8.0, &Unwatched).unwrap();
     let resolutions = Resolutions::uniform(vec![exponent; 2]);
@@ -133,7 +133,7 @@ fn what_is_transparent_has_no_vote_about_cuts() {
 fn exponents_follow_their_rule() {
     let asset = two_charts(image(|_, _| 0), [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], LEFT);
     let canvas = canvas_of(&asset);
-    let channels = channels(&asset, 0);
+    let channels = channels(&asset, 0, false);
     let sources = [SurfaceSource::new(&channels[0], &asset, &canvas)];
     let with = |rule| wanted_exponents(rule, true, &asset, &canvas, &sources).nearest().faces;
     // Half of 256 texels is half of n² cells at n = 16; 0.3 of that side is 4.8 texels.
@@ -169,7 +169,7 @@ fn large_faces_are_read_as_small_ones() {
     for uvs in [LEFT, [[-3.0, 0.2], [7.0, 4.0], [1.0, 9.0]]] {
         let asset = two_charts(noise.clone(), uvs, RIGHT);
         let canvas = canvas_of(&asset);
-        let channels = channels(&asset, 0);
+        let channels = channels(&asset, 0, false);
         let source = SurfaceSource::new(&channels[0], &asset, &canvas);
         let resolutions = Resolutions::uniform(vec![6; 2]);
         let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));

@@ -44,6 +44,8 @@ struct Piece {
     normal: Affine<Vec3>,
     tangent: Affine<Vec3>,
     handedness: f32,
+    /// What multiplies the values, of channels with vertex colors.
+    tint: Affine<Vec4>,
 }
 
 impl FaceReader {
@@ -66,6 +68,10 @@ impl FaceReader {
                 piece.normal = Affine { at: a.normal, along: normals };
                 piece.tangent = Affine { at: ta, along: steps(kind, ta, tb, tc, scale) };
                 piece.handedness = a.tangent.w;
+            }
+            if let Some(tints) = source.tints.get(face) {
+                let [a, b, c] = tints[triangle];
+                piece.tint = Affine { at: a, along: steps(kind, a, b, c, scale) };
             }
         }
     }
@@ -158,6 +164,14 @@ impl FaceReader {
             for (count, value) in values.iter_mut().enumerate() {
                 let place = start + stride * count as f32;
                 *value = bilinear(channel.image, channel.transfer, channel.texture.wrap, place);
+            }
+        }
+        if source.channel.is_tinted {
+            let (start, stride) = (piece.tint.at(x, y), piece.tint.along[0] * step);
+            let mut count = 0.0;
+            for value in values.iter_mut() {
+                *value *= start + stride * count;
+                count += 1.0;
             }
         }
         if let Some(scale) = source.channel.normal_scale() {

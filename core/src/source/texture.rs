@@ -1,11 +1,12 @@
 //! UV textures as functions on the canvas.
 
 use std::collections::HashMap;
+use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 
-use crate::asset::{AlphaMode, Asset, Primitive, Slot, TextureRef};
-use crate::image::{Image, Transfer, Wrap, WrapMode, bilinear};
+use crate::asset::{AlphaMode, Asset, Primitive, Slot, TextureRef, UvTransform};
+use crate::image::{Image, Pixels, Transfer, Wrap, WrapMode, bilinear};
 use crate::math::frame::Frame;
 use crate::mesh::{CanvasFace, CanvasMesh, Drawn, Merged, surface_point};
 
@@ -20,6 +21,8 @@ pub struct SourceChannel<'a> {
     pub image: &'a Image,
     pub transfer: Transfer,
     pub kind: ChannelKind,
+    /// Whether the vertex colors multiply it.
+    pub is_tinted: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,23 +35,45 @@ pub enum ChannelKind {
     Normal { scale: f32 },
 }
 
-/// The channels of a material, in slot order. Slots that read one image in one way are one channel.
-pub fn channels(asset: &Asset, material: usize) -> Vec<SourceChannel<'_>> {
+/// The image of a channel that has no texture, only vertex colors: one white texel.
+static WHITE: LazyLock<Image> =
+    LazyLock::new(|| Image { width: 1, height: 1, components: 3, pixels: Pixels::U8(vec![255; 3]) });
+
+/// The number of the white texel, which is no image of the asset's.
+const NO_IMAGE: usize = usize::MAX;
+
+/// Where the white texel stands, which is everywhere; there is no set of coordinates of this number.
+fn no_texture() -> TextureRef {
+    let wrap = Wrap { s: WrapMode::ClampToEdge, t: WrapMode::ClampToEdge };
+    TextureRef { image: NO_IMAGE, wrap, texcoord: usize::MAX, transform: UvTransform::default() }
+}
+
+/// The channels of a material, in slot order. Slots that read one image in one way are one channel. `takes_colors`: vertex colors
+/// multiply the base color, and are it where it has no texture.
+pub fn channels(asset: &Asset, material: usize, takes_colors: bool) -> Vec<SourceChannel<'_>> {
     let mut channels: Vec<SourceChannel<'_>> = Vec::new();
     let source = &asset.materials[material];
     for slot in Slot::ALL {
-        let Some(texture) = source.slot(slot) else { continue };
-        let image = &asset.images[texture.image];
+        let is_tinted = takes_colors && slot == Slot::BaseColor;
+        let (texture, image) = match source.slot(slot) {
+            Some(texture) => (*texture, &asset.images[texture.image]),
+            None if is_tinted => (no_texture(), &*WHITE),
+            None => continue,
+        };
+        let has_alpha = image.has_alpha() || is_tinted && has_vertex_alpha(asset, material);
         let transfer = if slot.is_color() { Transfer::Srgb } else { Transfer::Linear };
         let kind = match slot {
             Slot::Normal => ChannelKind::Normal { scale: source.normal_scale },
-            Slot::BaseColor if image.has_alpha() && source.alpha_mode != AlphaMode::Opaque => {
+            Slot::BaseColor if has_alpha && source.alpha_mode != AlphaMode::Opaque => {
                 ChannelKind::AlphaWeighted
             }
             _ => ChannelKind::Plain,
         };
         let same = |known: &&mut SourceChannel<'_>| {
-            known.texture == *texture && known.transfer == transfer && known.kind == kind
+            known.texture == texture
+                && known.transfer == transfer
+                && known.kind == kind
+                && known.is_tinted == is_tinted
         };
         match channels.iter_mut().find(same) {
             Some(known) => known.slots.push(slot),
@@ -56,15 +81,21 @@ pub fn channels(asset: &Asset, material: usize) -> Vec<SourceChannel<'_>> {
                 channels.push(SourceChannel {
                     material,
                     slots: vec![slot],
-                    texture: *texture,
+                    texture,
                     image,
                     transfer,
                     kind,
+                    is_tinted,
                 });
             }
         }
     }
     channels
+}
+
+fn has_vertex_alpha(asset: &Asset, material: usize) -> bool {
+    let primitives = asset.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    primitives.filter(|own| own.material == Some(material)).any(Primitive::has_vertex_alpha)
 }
 
 impl ChannelKind {
@@ -99,6 +130,11 @@ impl SourceChannel<'_> {
         self.kind.normal_scale()
     }
 
+    /// Whether there is no texture, only vertex colors.
+    pub fn is_bare(&self) -> bool {
+        self.texture.image == NO_IMAGE
+    }
+
     /// Texture coordinates of a primitive's vertex in texels of the image, after the slot's transform.
     fn place_texels(&self, primitive: &Primitive, vertex: u32) -> Vec2 {
         let set = primitive.texcoords.get(self.texture.texcoord);
@@ -115,6 +151,8 @@ pub struct SurfaceSource<'a> {
     places: Vec<Drawings<Vec2>>,
     /// Corner frames by face and drawn triangle; of normal channels only.
     pub(super) frames: Vec<Drawings<Frame>>,
+    /// Linear vertex colors by face and drawn triangle; of channels that they multiply only.
+    pub(super) tints: Vec<Drawings<Vec4>>,
 }
 
 /// What stands at the corners of a face's drawn triangles; a triangle's second repeats its first. Where a pair of
@@ -132,7 +170,8 @@ impl<'a> SurfaceSource<'a> {
             })
         });
         let frames = if channel.is_normal() { corner_frames(channel, asset, canvas) } else { Vec::new() };
-        Self { channel, places: places.collect(), frames }
+        let tints = if channel.is_tinted { corner_tints(asset, canvas) } else { Vec::new() };
+        Self { channel, places: places.collect(), frames, tints }
     }
 
     /// The same channel on a canvas whose triangles stand in pairs.
@@ -140,7 +179,8 @@ impl<'a> SurfaceSource<'a> {
         Self {
             channel: self.channel,
             places: merged_drawings(&self.places, merged),
-            frames: if self.frames.is_empty() { Vec::new() } else { merged_drawings(&self.frames, merged) },
+            frames: merged_drawings(&self.frames, merged),
+            tints: merged_drawings(&self.tints, merged),
         }
     }
 
@@ -160,15 +200,24 @@ impl<'a> SurfaceSource<'a> {
         [a.distance(b), b.distance(c), e.distance(f), f.distance(d)]
     }
 
-    /// Area of a face in texels of the image, overlaps counted.
+    /// Area of a face in painted texels of the image, overlaps counted; of vertex colors alone, in what they need.
     pub fn area_texels(&self, canvas: &CanvasMesh, face: usize) -> f32 {
+        if self.channel.is_bare() {
+            return self.kink_texels(face, canvas.faces[face].is_triangle());
+        }
         let doubled = |[a, b, c]: &[Vec2; 3]| (*b - *a).perp_dot(*c - *a).abs();
-        0.5 * self.triangles(canvas, face).iter().map(doubled).sum::<f32>()
+        let texels = 0.5 * self.triangles(canvas, face).iter().map(doubled).sum::<f32>();
+        texels / f32::from(self.channel.image.texels_per_painted()).powi(2)
     }
 
     /// The frame at a corner of a drawn triangle; of normal channels only.
     pub fn frame(&self, face: usize, (triangle, corner): (usize, usize)) -> Option<&Frame> {
         self.frames.get(face).map(|frames| &frames[triangle][corner])
+    }
+
+    /// The vertex color at a corner of a drawn triangle; of channels that they multiply only.
+    pub fn tint(&self, face: usize, (triangle, corner): (usize, usize)) -> Option<Vec4> {
+        self.tints.get(face).map(|tints| tints[triangle][corner])
     }
 
     /// The value at `(s, t)` of the face's unit domain: linear light, data, or an object-space unit normal
@@ -191,7 +240,11 @@ impl<'a> SurfaceSource<'a> {
         let [a, b, c] = self.places[face][triangle];
         let place = a * weights.x + b * weights.y + c * weights.z;
         let value = bilinear(self.channel.image, self.channel.transfer, self.channel.texture.wrap, place);
-        let ChannelKind::Normal { scale } = self.channel.kind else { return value };
+        let ChannelKind::Normal { scale } = self.channel.kind else {
+            let Some(tints) = self.tints.get(face) else { return value };
+            let [a, b, c] = tints[triangle];
+            return value * (a * weights.x + b * weights.y + c * weights.z);
+        };
         let frame = Frame::blend(self.frames[face][triangle].each_ref(), weights);
         decode_normal(value.xyz(), scale, frame).extend(1.0)
     }
@@ -212,8 +265,11 @@ fn drawings<T: Copy>(face: &CanvasFace, of: impl Fn(&Drawn) -> [T; 3]) -> Drawin
     if face.is_triangle() { [first; 2] } else { [first, of(&face.drawn[1])] }
 }
 
-/// What stands at the corners of faces, by the faces of a canvas whose triangles stand in pairs.
+/// What stands at the corners of faces, by the faces of a canvas whose triangles stand in pairs; nothing where there is nothing.
 fn merged_drawings<T: Copy>(old: &[Drawings<T>], merged: &Merged) -> Vec<Drawings<T>> {
+    if old.is_empty() {
+        return Vec::new();
+    }
     let of_face = |(face, &(first, second)): (&CanvasFace, &(u32, Option<u32>))| {
         let Some(second) = second else { return old[first as usize] };
         let turned = |triangle: usize, of: u32| {
@@ -264,6 +320,29 @@ fn corner_frames(channel: &SourceChannel<'_>, asset: &Asset, canvas: &CanvasMesh
         drawings(face, |drawn| {
             let frames = &by_primitive[&(face.mesh, drawn.primitive)][drawn.face as usize];
             drawn.corners.map(|corner| frames[usize::from(corner)])
+        })
+    };
+    canvas.faces.iter().map(of_drawn).collect()
+}
+
+/// White where a primitive has no colors.
+fn corner_tints(asset: &Asset, canvas: &CanvasMesh) -> Vec<Drawings<Vec4>> {
+    let mut by_primitive: HashMap<(u32, u32), Option<Vec<Vec4>>> = HashMap::new();
+    let primitive = |mesh: u32, number: u32| &asset.meshes[mesh as usize].primitives[number as usize];
+    for face in &canvas.faces {
+        for drawn in &face.drawn {
+            by_primitive
+                .entry((face.mesh, drawn.primitive))
+                .or_insert_with(|| primitive(face.mesh, drawn.primitive).vertex_colors());
+        }
+    }
+    let of_drawn = |face: &CanvasFace| {
+        drawings(face, |drawn| {
+            let vertices = &primitive(face.mesh, drawn.primitive).faces[drawn.face as usize].corners;
+            let colors = by_primitive[&(face.mesh, drawn.primitive)].as_ref();
+            drawn.corners.map(|corner| {
+                colors.map_or(Vec4::ONE, |colors| colors[vertices[usize::from(corner)] as usize])
+            })
         })
     };
     canvas.faces.iter().map(of_drawn).collect()

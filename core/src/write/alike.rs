@@ -3,12 +3,13 @@
 
 use std::collections::HashMap;
 
-use crate::asset::Primitive;
+use crate::asset::{Primitive, VERTEX_COLORS};
 
 /// What is written of a source's vertices besides positions, further attributes and morph targets.
 pub struct Kept<'a> {
     pub normals: bool,
     pub tangents: bool,
+    pub colors: bool,
     /// Sets of texture coordinates.
     pub sets: &'a [usize],
 }
@@ -41,7 +42,8 @@ fn bytes(source: &Primitive, kept: &Kept<'_>, vertex: usize) -> Vec<u8> {
         add(values.and_then(|values| values.get(vertex)).map(|value| value.as_ref().as_slice()));
     }
     let targets = source.targets.iter().flat_map(|target| &target.attributes);
-    for attribute in source.attributes.iter().chain(targets) {
+    let own = source.attributes.iter().filter(|own| kept.colors || own.semantic != VERTEX_COLORS);
+    for attribute in own.chain(targets) {
         let start = vertex * attribute.element_bytes;
         let element = attribute.bytes.get(start..start + attribute.element_bytes);
         bytes.extend_from_slice(element.unwrap_or_default());
@@ -67,9 +69,9 @@ mod tests {
         }
     }
 
-    fn attribute(bytes: [u8; 4]) -> Attribute {
+    fn attribute(semantic: &str, bytes: [u8; 4]) -> Attribute {
         Attribute {
-            semantic: "_WEAR".to_owned(),
+            semantic: semantic.to_owned(),
             component_type: 5121,
             kind: "SCALAR".to_owned(),
             normalized: false,
@@ -80,12 +82,16 @@ mod tests {
 
     #[test]
     fn vertices_are_alike_that_differ_in_nothing_written() {
-        let all = Kept { normals: true, tangents: true, sets: &[0, 1] };
-        let none = Kept { normals: false, tangents: false, sets: &[] };
+        let all = Kept { normals: true, tangents: true, colors: true, sets: &[0, 1] };
+        let none = Kept { normals: false, tangents: false, colors: false, sets: &[] };
         assert_eq!(firsts(&primitive(), &all, 0..4), [0; 4]);
         type Change = fn(&mut Primitive);
-        let optional: [Change; 3] =
-            [|p| p.normals[2] = Vec3::X, |p| p.tangents[2] = Vec4::Y, |p| p.texcoords[1][2] = Vec2::X];
+        let optional: [Change; 4] = [
+            |p| p.normals[2] = Vec3::X,
+            |p| p.tangents[2] = Vec4::Y,
+            |p| p.texcoords[1][2] = Vec2::X,
+            |p| p.attributes.push(attribute(VERTEX_COLORS, [7, 7, 8, 7])),
+        ];
         for change in optional {
             let mut changed = primitive();
             change(&mut changed);
@@ -94,8 +100,8 @@ mod tests {
         }
         let written: [Change; 3] = [
             |p| p.positions[2] = Vec3::X,
-            |p| p.attributes.push(attribute([7, 7, 8, 7])),
-            |p| p.targets.push(MorphTarget { attributes: vec![attribute([7, 7, 8, 7])] }),
+            |p| p.attributes.push(attribute("_WEAR", [7, 7, 8, 7])),
+            |p| p.targets.push(MorphTarget { attributes: vec![attribute("_WEAR", [7, 7, 8, 7])] }),
         ];
         for change in written {
             let mut changed = primitive();

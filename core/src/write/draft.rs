@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 
 use crate::asset::Document;
 use crate::error::{Error, Result};
+use crate::vertex_codec;
 
 const GLB_MAGIC: u32 = 0x4654_6C67;
 const CHUNK_JSON: u32 = 0x4E4F_534A;
@@ -20,6 +21,15 @@ pub struct View<'a> {
     pub json: Map<String, Value>,
     /// `None` where the source's view lies outside of its buffer: an error only if it is kept.
     pub bytes: Option<Cow<'a, [u8]>>,
+    /// Where the bytes are packed.
+    pub packing: Option<Packing>,
+}
+
+/// How the bytes of a view are packed.
+pub struct Packing {
+    /// The members of the extension, without buffer and place.
+    pub json: Map<String, Value>,
+    pub unpacked_bytes: usize,
 }
 
 pub struct Draft<'a> {
@@ -71,7 +81,7 @@ impl<'a> Draft<'a> {
         if let Some(target) = target {
             json.insert("target".to_owned(), target.into());
         }
-        self.views.push(View { json, bytes: Some(bytes.into()) });
+        self.views.push(View { json, bytes: Some(bytes.into()), packing: None });
         self.views.len() - 1
     }
 
@@ -97,23 +107,35 @@ impl<'a> Draft<'a> {
     pub fn into_glb(mut self) -> Result<Vec<u8>> {
         let mut chunks = Vec::with_capacity(self.views.len());
         let mut views = Vec::with_capacity(self.views.len());
-        let mut offset = 0usize;
+        let [mut offset, mut fallback] = [0usize; 2];
         for (number, view) in self.views.into_iter().enumerate() {
             let bytes = view.bytes.ok_or_else(|| {
                 Error::invalid("the buffer view lies outside of its buffer")
                     .at(format!("/bufferViews/{number}"))
             })?;
-            let mut json = Map::new();
-            json.insert("buffer".to_owned(), 0.into());
-            json.insert("byteOffset".to_owned(), offset.into());
-            json.insert("byteLength".to_owned(), bytes.len().into());
+            let place = |buffer: usize, offset: usize, length: usize| {
+                [("buffer", buffer), ("byteOffset", offset), ("byteLength", length)]
+                    .map(|(name, number)| (name.to_owned(), number.into()))
+            };
+            let mut json = Map::from_iter(place(0, offset, bytes.len()));
+            if let Some(packing) = view.packing {
+                let mut own = Map::from_iter(place(0, offset, bytes.len()));
+                own.extend(packing.json);
+                json = Map::from_iter(place(1, fallback, packing.unpacked_bytes));
+                member(&mut json, "extensions").insert(vertex_codec::EXTENSION.to_owned(), own.into());
+                fallback += padded(packing.unpacked_bytes);
+            }
             json.extend(view.json);
             views.push(Value::Object(json));
             offset += padded(bytes.len());
             chunks.push(bytes);
         }
         // The bytes that the views need: padding after the last one is the chunk's, not the buffer's.
-        let buffers = buffers(self.root.get("buffers"), offset);
+        let mut buffers = buffers(self.root.get("buffers"), offset);
+        if fallback > 0 {
+            let extension = json!({ vertex_codec::EXTENSION: { "fallback": true } });
+            buffers.push(json!({ "byteLength": fallback, "extensions": extension }));
+        }
         let mut listed = |name: &str| match self.root.shift_remove(name) {
             Some(Value::Array(items)) => items,
             _ => Vec::new(),
@@ -167,7 +189,7 @@ fn open_view<'a>(view: Value, document: &'a Document) -> View<'a> {
         let start = usize::try_from(offset).ok()?;
         buffer.get(start..start.checked_add(usize::try_from(length).ok()?)?)
     });
-    View { json, bytes: bytes.map(Cow::Borrowed) }
+    View { json, bytes: bytes.map(Cow::Borrowed), packing: None }
 }
 
 fn container(json: &Value, chunks: Vec<Cow<'_, [u8]>>, bin_bytes: usize) -> Result<Vec<u8>> {

@@ -4,19 +4,21 @@ use std::collections::BTreeSet;
 
 use serde_json::{Map, Value};
 
-use crate::asset::MESH_COLORS_EXTENSION;
+use crate::asset::{MESH_COLORS_EXTENSION, NGON_EXTENSION};
 use crate::finished::EXTENSION;
 
 use super::draft::Draft;
 use super::in_use;
 
 /// Extensions that go out of use where conversion replaced the last thing that had them.
-const MAY_LEAVE: [&str; 5] = [
+const MAY_LEAVE: [&str; 7] = [
     "KHR_texture_transform",
     "KHR_draco_mesh_compression",
     "KHR_mesh_quantization",
     "EXT_meshopt_compression",
+    "KHR_texture_basisu",
     "EXT_texture_webp",
+    NGON_EXTENSION,
 ];
 
 const OWN: [&str; 2] = [EXTENSION, MESH_COLORS_EXTENSION];

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Map, Value};
 
-use crate::asset::{Attribute, Primitive};
+use crate::asset::{Attribute, Primitive, VERTEX_COLORS};
 use crate::error::{Error, Result};
 use crate::finished::{Finished, FinishedPrimitive};
 
@@ -11,6 +11,7 @@ use super::alike::{self, Kept};
 use super::coordinates;
 use super::draft::Draft;
 use super::materials::Converted;
+use super::ngons;
 use super::vertices::{self, Corner, Corners};
 
 /// A converted piece on its way into the file.
@@ -61,7 +62,7 @@ impl<'a> Member<'a> {
             normals: !self.source.normals.is_empty(),
             tangents: self.keeps_tangents() && !self.source.tangents.is_empty(),
             set_count: self.converted.sets.len(),
-            attributes: passed_on(self.source).map(kind).collect(),
+            attributes: self.passed_on().map(kind).collect(),
             targets: targets.collect(),
         }
     }
@@ -73,9 +74,19 @@ impl<'a> Member<'a> {
             && self.form() == other.form()
     }
 
+    /// Attributes that go along as they are.
+    fn passed_on(&self) -> impl Iterator<Item = &'a Attribute> {
+        let takes_colors = self.converted.takes_colors;
+        passed_on(self.source).filter(move |own| !(takes_colors && own.semantic == VERTEX_COLORS))
+    }
+
     fn corners(&self) -> Corners {
-        let kept =
-            Kept { normals: !self.is_framed(), tangents: self.keeps_tangents(), sets: &self.converted.sets };
+        let kept = Kept {
+            normals: !self.is_framed(),
+            tangents: self.keeps_tangents(),
+            colors: !self.converted.takes_colors,
+            sets: &self.converted.sets,
+        };
         let used = self.piece.triangles.iter().flat_map(|triangle| triangle.vertices);
         Corners::distinct(self.piece, &alike::firsts(self.source, &kept, used))
     }
@@ -112,6 +123,12 @@ impl<'a> Geometry<'a> {
 
     pub fn vertex_count(&self) -> usize {
         self.members.iter().map(|(_, corners, _)| corners.corners.len()).sum()
+    }
+
+    /// Whether triangles that are written in a row begin with one vertex exactly where they are of one polygon of the
+    /// source, and all polygons are whole.
+    pub fn keeps_polygons(&self) -> bool {
+        self.members.iter().all(|(member, corners, _)| ngons::are_kept(member, &corners.indices))
     }
 
     pub fn add_indices(&self, draft: &mut Draft<'_>) -> usize {
@@ -173,9 +190,9 @@ impl<'a> Geometry<'a> {
             let values: Vec<Vec2> = self.all(|member, _, own| set_of(member, place, own));
             add(&format!("TEXCOORD_{}", place + 1), vertices::add_floats(draft, &arrays(&values)));
         }
-        for attribute in passed_on(first.source) {
+        for attribute in first.passed_on() {
             let same =
-                |member: &Member<'a>| passed_on(member.source).find(|own| own.semantic == attribute.semantic);
+                |member: &Member<'a>| member.passed_on().find(|own| own.semantic == attribute.semantic);
             if let Some(accessor) = self.add_attribute(draft, same) {
                 add(&attribute.semantic, accessor);
             }

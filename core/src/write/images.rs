@@ -60,6 +60,7 @@ pub fn png(image: &Image) -> Result<Vec<u8>> {
             writer.write_image_data(&codes).map_err(failed)?;
             writer.finish().map_err(failed)?;
         }
+        Pixels::F32(_) => return Err(Error::internal("a source's values are no level image")),
     }
     Ok(bytes)
 }

@@ -11,7 +11,7 @@ const UNSIGNED_BYTE: u64 = 5121;
 const UNSIGNED_SHORT: u64 = 5123;
 
 /// Adds `KHR_mesh_quantization` where a vertex attribute or a morph target is of a type that glTF 2.0 lacks, and
-/// `EXT_texture_webp` where an image is WebP.
+/// `EXT_texture_webp` or `KHR_texture_basisu` where an image is WebP or KTX2.
 pub fn add_names(draft: &Draft<'_>, names: &mut BTreeSet<String>) {
     let primitives = draft.meshes.iter().flat_map(|mesh| items(mesh, "primitives"));
     let mut attribute_sets = primitives.flat_map(|primitive| {
@@ -21,9 +21,11 @@ pub fn add_names(draft: &Draft<'_>, names: &mut BTreeSet<String>) {
     if attribute_sets.any(|attributes| is_quantized(draft, attributes)) {
         names.insert("KHR_mesh_quantization".to_owned());
     }
-    let is_webp = |image: &Value| image.get("mimeType").and_then(Value::as_str) == Some("image/webp");
-    if draft.images.iter().any(is_webp) {
-        names.insert("EXT_texture_webp".to_owned());
+    for (media_type, name) in [("image/webp", "EXT_texture_webp"), ("image/ktx2", "KHR_texture_basisu")] {
+        let is_one = |image: &Value| image.get("mimeType").and_then(Value::as_str) == Some(media_type);
+        if draft.images.iter().any(is_one) {
+            names.insert(name.to_owned());
+        }
     }
 }
 

@@ -30,6 +30,8 @@ pub struct Converted {
     pub sets: Vec<usize>,
     /// Whether something that is not converted needs the source's tangents.
     pub keeps_tangents: bool,
+    /// Whether the base color holds the vertex colors, which the primitives lose.
+    pub takes_colors: bool,
 }
 
 pub struct Materials {
@@ -64,7 +66,9 @@ impl Materials {
             }));
         }
         for (place, number) in parts::open(draft, asset, finished)? {
-            let blank = Converted { number, size: Vec2::ZERO, sets: Vec::new(), keeps_tangents: false };
+            let takes_colors = finished.vertex_colors.contains(&place.0);
+            let (size, sets) = (Vec2::ZERO, Vec::new());
+            let blank = Converted { number, size, sets, keeps_tangents: false, takes_colors };
             this.converted.insert(place, blank);
         }
         for (texture, levels) in finished.textures.iter().zip(encoded) {

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value, json};
 
-use crate::asset::{Asset, Face, MESH_COLORS_EXTENSION, MeshColorChannel, MeshColors};
+use crate::asset::{Asset, Face, MESH_COLORS_EXTENSION, MeshColorChannel, MeshColors, VERTEX_COLORS};
 use crate::error::Result;
 use crate::image::Image;
 use crate::watch::{Watch, check};
@@ -23,20 +23,36 @@ pub struct PaintedMaterial {
     pub colors: MeshColors,
     /// By channel: one texel.
     pub stand_ins: Vec<Image>,
+    /// Whether the base color holds the vertex colors, which the primitives lose.
+    pub takes_colors: bool,
 }
 
+/// `remodeled`: where the asset's faces are not the document's any more, by mesh and primitive of the asset the primitive of
+/// the document that it comes from.
+///
 /// # Errors
 /// `Canceled`; `InvalidModel` where a part of the source that is kept lies outside of its buffer; `ModelTooLarge` beyond what a
 /// GLB can hold.
-pub fn mesh_colors_glb(asset: &Asset, painted: &[PaintedMaterial], watch: &dyn Watch) -> Result<Vec<u8>> {
+pub fn mesh_colors_glb(
+    asset: &Asset,
+    painted: &[PaintedMaterial],
+    remodeled: Option<&[Vec<usize>]>,
+    watch: &dyn Watch,
+) -> Result<Vec<u8>> {
     let mut draft = Draft::open(&asset.document)?;
+    if let Some(origins) = remodeled {
+        remodel(&mut draft, asset, origins);
+    }
     images::embed_files(&mut draft, asset);
     for (mesh, own) in asset.meshes.iter().enumerate() {
         for (primitive, source) in own.primitives.iter().enumerate() {
             check(watch)?;
             primitives::write_data_once(&mut draft, asset, [mesh, primitive])?;
-            let is_painted = painted.iter().any(|painted| source.material == Some(painted.material));
-            let quads = if is_painted { quads(&source.faces) } else { Vec::new() };
+            let painted = painted.iter().find(|painted| source.material == Some(painted.material));
+            if painted.is_some_and(|painted| painted.takes_colors) && !source.faces.is_empty() {
+                member(draft.primitive(mesh, primitive), "attributes").shift_remove(VERTEX_COLORS);
+            }
+            let quads = if painted.is_some() { quads(&source.faces) } else { Vec::new() };
             if !quads.is_empty() {
                 let accessor = vertices::add_numbers(&mut draft, &quads);
                 let own = Map::from_iter([("quads".to_owned(), accessor.into())]);
@@ -46,6 +62,7 @@ pub fn mesh_colors_glb(asset: &Asset, painted: &[PaintedMaterial], watch: &dyn W
     }
     let as_they_were = shown_as_they_were(&mut draft, asset);
     replace_images(&mut draft, painted, &as_they_were)?;
+    draft.materials.iter_mut().for_each(|material| remove_extension(object(material), MESH_COLORS_EXTENSION));
     for painted in painted {
         check(watch)?;
         let own = material(&mut draft, &painted.colors);
@@ -54,6 +71,18 @@ pub fn mesh_colors_glb(asset: &Asset, painted: &[PaintedMaterial], watch: &dyn W
     compact::sweep(&mut draft, &asset.document)?;
     extensions::settle(&mut draft, &[MESH_COLORS_EXTENSION]);
     draft.into_glb()
+}
+
+/// Leaves of the document's primitives those that are named, without their data where they have faces.
+fn remodel(draft: &mut Draft<'_>, asset: &Asset, origins: &[Vec<usize>]) {
+    for (number, (mesh, origins)) in asset.meshes.iter().zip(origins).enumerate() {
+        let before = std::mem::take(draft.primitives(number));
+        for (place, (primitive, origin)) in mesh.primitives.iter().zip(origins).enumerate() {
+            let own = before.get(*origin).and_then(Value::as_object).cloned().unwrap_or_default();
+            *draft.primitive(number, place) =
+                if primitive.faces.is_empty() { own } else { primitives::rest_of(&own) };
+        }
+    }
 }
 
 fn set_extension(holder: &mut Map<String, Value>, own: Map<String, Value>) {

@@ -13,6 +13,7 @@ use crate::watch::{Watch, check};
 use super::draft::Draft;
 use super::geometry::Member;
 use super::materials::Materials;
+use super::ngons;
 use super::primitives::{Group, Target, rest_of};
 use super::united;
 
@@ -29,6 +30,7 @@ impl<'a> MeshTarget<'a> {
     pub fn write(&self, draft: &mut Draft<'_>, materials: &mut Materials, watch: &dyn Watch) -> Result<u64> {
         let Self { asset, finished, mesh, pieces } = *self;
         let source = &asset.meshes[mesh];
+        ngons::mark_primitives(draft, mesh);
         let borders = united::borders(source, &materials.united, pieces);
         let border = |piece: &FinishedPrimitive| {
             borders.get(&(piece.primitive, piece.part)).map_or(&[][..], Vec::as_slice)

@@ -14,6 +14,8 @@ mod in_use;
 mod materials;
 mod mesh_colors;
 mod meshes;
+mod ngons;
+mod packed;
 mod parts;
 mod primitives;
 mod references;
@@ -35,6 +37,8 @@ pub use images::png;
 use materials::Materials;
 pub use mesh_colors::{PaintedMaterial, mesh_colors_glb};
 use meshes::MeshTarget;
+pub use packed::GeometryFormat;
+pub use references::shows_textures;
 
 /// One file of a bundle.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -66,7 +70,7 @@ pub struct Glb {
 /// buffer; `Internal` where `asset` and `finished` contradict each other.
 pub fn glb(asset: &Asset, finished: &Finished, watch: &dyn Watch) -> Result<Glb> {
     let pngs = encode(finished, watch)?;
-    glb_of(asset, finished, pngs, watch)
+    glb_of(asset, finished, pngs, GeometryFormat::Plain, watch)
 }
 
 /// Every level as PNG, by texture and level.
@@ -84,11 +88,17 @@ pub fn encode(finished: &Finished, watch: &dyn Watch) -> Result<Pngs> {
     pngs
 }
 
-/// [`glb`] with levels that are encoded already.
+/// [`glb`] with levels that are encoded already, and geometry in a format.
 ///
 /// # Errors
 /// As [`glb`].
-pub fn glb_of(asset: &Asset, finished: &Finished, pngs: Pngs, watch: &dyn Watch) -> Result<Glb> {
+pub fn glb_of(
+    asset: &Asset,
+    finished: &Finished,
+    pngs: Pngs,
+    geometry: GeometryFormat,
+    watch: &dyn Watch,
+) -> Result<Glb> {
     let mut draft = Draft::open(&asset.document)?;
     images::embed_files(&mut draft, asset);
     // Ours, not the file's.
@@ -105,6 +115,7 @@ pub fn glb_of(asset: &Asset, finished: &Finished, pngs: Pngs, watch: &dyn Watch)
     compact::sweep(&mut draft, &asset.document)?;
     extensions::settle(&mut draft, if converted.is_empty() { &[] } else { &[EXTENSION] });
     check(watch)?;
+    packed::pack(&mut draft, geometry, watch)?;
     Ok(Glb { bytes: draft.into_glb()?, vertex_count })
 }
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-use crate::asset::{Asset, MESH_COLORS_EXTENSION, Primitive};
+use crate::asset::{Asset, MESH_COLORS_EXTENSION, NGON_EXTENSION, Primitive};
 use crate::error::{Error, Result, Warning};
 use crate::finished::{Coordinates, EXTENSION, Finished};
 
@@ -98,6 +98,9 @@ impl Target<'_> {
             member(json, "extensions").insert(EXTENSION.to_owned(), Value::Object(own));
         }
         let number = converted.number;
+        if !geometry.keeps_polygons() {
+            remove_extension(json, NGON_EXTENSION);
+        }
         self.move_materials(slot, draft, |draft, material| {
             if material == piece.material {
                 number
@@ -189,8 +192,18 @@ fn write_data(draft: &mut Draft<'_>, source: &Primitive, [mesh, primitive]: [usi
     });
     let triangles: Vec<u32> = triangles.collect();
     let indices = (!triangles.is_empty()).then(|| vertices::add_indices(draft, &triangles, vertex_count));
+    let targets: Vec<Value> = (source.targets.iter())
+        .map(|target| {
+            let own = target.attributes.iter();
+            own.map(|own| (own.semantic.clone(), vertices::add_whole(draft, own).into())).collect()
+        })
+        .map(Value::Object)
+        .collect();
     let json = draft.primitive(mesh, primitive);
     json.insert("attributes".to_owned(), Value::Object(attributes));
+    if !targets.is_empty() {
+        json.insert("targets".to_owned(), Value::Array(targets));
+    }
     match indices {
         Some(indices) => json.insert("indices".to_owned(), indices.into()),
         None => json.insert("mode".to_owned(), POINTS.into()),

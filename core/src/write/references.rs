@@ -3,7 +3,7 @@
 
 use serde_json::{Map, Value};
 
-use crate::asset::MESH_COLORS_EXTENSION;
+use crate::asset::{MESH_COLORS_EXTENSION, NGON_EXTENSION};
 use crate::finished::EXTENSION;
 
 use super::draft::Draft;
@@ -26,9 +26,10 @@ pub const TEXTURE_SOURCES: [&str; 4] =
     ["KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds"];
 
 /// Extensions of which all pointers are known here (most have none).
-const UNDERSTOOD: [&str; 18] = [
+const UNDERSTOOD: [&str; 19] = [
     EXTENSION,
     MESH_COLORS_EXTENSION,
+    NGON_EXTENSION,
     "KHR_texture_transform",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
@@ -135,6 +136,13 @@ pub fn visit_texture_infos(material: &mut Value, visit: &mut dyn FnMut(&str, &mu
             _ => {}
         }
     }
+}
+
+/// Whether a material's JSON names any texture.
+pub fn shows_textures(material: &Value) -> bool {
+    let mut is_shown = false;
+    visit_texture_infos(&mut material.clone(), &mut |_, _| is_shown = true);
+    is_shown
 }
 
 fn visit_primitive(primitive: &mut Value, visit: &mut Visit<'_>) {

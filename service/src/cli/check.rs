@@ -26,7 +26,7 @@ use crate::work;
 const LARGEST_SEAM_CODES: f64 = 1.5;
 
 /// File endings that are models when a folder is given.
-const MODEL_ENDINGS: [&str; 4] = ["glb", "gltf", "obj", "zip"];
+const MODEL_ENDINGS: [&str; 5] = ["glb", "gltf", "obj", "ply", "zip"];
 
 #[derive(clap::Args)]
 pub struct Arguments {

@@ -22,7 +22,7 @@ use crate::{bundle, input};
 
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The model: .glb, .gltf, .obj or .zip; `-` is standard input
+    /// The model: .glb, .gltf, .obj, .ply or .zip; `-` is standard input
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// Where the bundle goes: a folder, or a zip file when it ends in .zip; `-` is a zip on standard output

@@ -33,7 +33,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
 }
 
 /// Endings of files that a model may name.
-const SIDECAR_ENDINGS: [&str; 6] = ["bin", "mtl", "png", "jpg", "jpeg", "webp"];
+const SIDECAR_ENDINGS: [&str; 7] = ["bin", "mtl", "png", "jpg", "jpeg", "webp", "ktx2"];
 
 /// The model, and beside a model of text what stands in its folder and may belong to it.
 fn model_files(path: &PathBuf) -> anyhow::Result<Vec<SentFile>> {
@@ -41,7 +41,7 @@ fn model_files(path: &PathBuf) -> anyhow::Result<Vec<SentFile>> {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let mut files = vec![SentFile { path: name, bytes }];
-    if ending == "gltf" || ending == "obj" {
+    if matches!(ending.as_str(), "gltf" | "obj" | "ply") {
         let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty());
         collect(folder.unwrap_or(&PathBuf::from(".")), "", &mut files)?;
     }

@@ -6,6 +6,7 @@ mod bars;
 mod check;
 mod convert;
 mod demo;
+mod edit;
 mod health;
 mod interrupt;
 mod openapi;
@@ -44,6 +45,8 @@ enum Command {
     Convert(convert::Arguments),
     /// Measure the seams of models, plain or converted
     Check(check::Arguments),
+    /// Edit a model that has mesh colors: resolution, faces, subdivision, another mesh
+    Edit(edit::Arguments),
     /// Convert a model by every rung and show what accuracy costs in time
     Tradeoff(tradeoff::Arguments),
     /// Show a conversion from end to end, through the HTTP service
@@ -70,6 +73,7 @@ pub fn main() -> ExitCode {
         Command::Serve(arguments) => serve::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Edit(arguments) => edit::run(&arguments),
         Command::Tradeoff(arguments) => tradeoff::run(&arguments),
         Command::Demo(arguments) => demo::run(arguments),
         Command::Openapi => openapi::run(),

@@ -27,7 +27,7 @@ point and with fitted samples; these run once. Writes tradeoff.json, tradeoff.md
 --cut holds for all runs, and so does --resolution where it is not the preset's. A rung that cannot be had on the model is a \
 row with its reason. Times are CPU seconds of the process.")]
 pub struct Arguments {
-    /// The model: .glb, .gltf, .obj or .zip; `-` is standard input; without one, the demo's sample
+    /// The model: .glb, .gltf, .obj, .ply or .zip; `-` is standard input; without one, the demo's sample
     #[arg(value_name = "MODEL")]
     input: Option<PathBuf>,
     /// The folder that the record, the tables and the pictures go to

@@ -19,7 +19,7 @@ use crate::jobs::model::{JobId, JobKind, JobState};
 /// Converts a model and answers with the bundle.
 #[utoipa::path(
     post, path = "/v1/convert", tag = "one request",
-    request_body(content((UploadForm = "multipart/form-data"), (Vec<u8> = "model/gltf-binary"), (Vec<u8> = "model/gltf+json"), (Vec<u8> = "model/obj"), (Vec<u8> = "application/zip"), (Vec<u8> = "application/octet-stream"))),
+    request_body(content((UploadForm = "multipart/form-data"), (Vec<u8> = "model/gltf-binary"), (Vec<u8> = "model/gltf+json"), (Vec<u8> = "model/obj"), (Vec<u8> = "model/ply"), (Vec<u8> = "application/zip"), (Vec<u8> = "application/octet-stream"))),
     responses(
         (status = 200, description = "The bundle", body = Vec<u8>, content_type = "application/zip"),
         (status = 202, description = "It goes on; `Location` is the job", body = Job),
@@ -42,7 +42,7 @@ pub async fn convert(
 /// Measures a model's seams and answers with the report.
 #[utoipa::path(
     post, path = "/v1/check", tag = "one request",
-    request_body(content((UploadForm = "multipart/form-data"), (Vec<u8> = "model/gltf-binary"), (Vec<u8> = "model/gltf+json"), (Vec<u8> = "model/obj"), (Vec<u8> = "application/zip"), (Vec<u8> = "application/octet-stream"))),
+    request_body(content((UploadForm = "multipart/form-data"), (Vec<u8> = "model/gltf-binary"), (Vec<u8> = "model/gltf+json"), (Vec<u8> = "model/obj"), (Vec<u8> = "model/ply"), (Vec<u8> = "application/zip"), (Vec<u8> = "application/octet-stream"))),
     responses(
         (status = 200, description = "The report; its verdict may be `fail`", body = Object, content_type = "application/json"),
         (status = 202, description = "It goes on; `Location` is the job", body = Job),

@@ -29,7 +29,7 @@ const LARGEST_PAGE_SIZE: u32 = 200;
 #[utoipa::path(
     post, path = "/v1/jobs", tag = "jobs",
     params(("Prefer" = Option<String>, Header, description = "`wait=N`: answer when the job has ended, after N seconds at most")),
-    request_body(content((UploadForm = "multipart/form-data"), (Vec<u8> = "model/gltf-binary"), (Vec<u8> = "model/gltf+json"), (Vec<u8> = "model/obj"), (Vec<u8> = "application/zip"), (Vec<u8> = "application/octet-stream"))),
+    request_body(content((UploadForm = "multipart/form-data"), (Vec<u8> = "model/gltf-binary"), (Vec<u8> = "model/gltf+json"), (Vec<u8> = "model/obj"), (Vec<u8> = "model/ply"), (Vec<u8> = "application/zip"), (Vec<u8> = "application/octet-stream"))),
     responses(
         (status = 200, description = "Ended within the preferred wait", body = Job),
         (status = 202, description = "Accepted; `Location` is the job", body = Job),

@@ -12,7 +12,7 @@ use crate::jobs::model::{JobOptions, SWITCHES};
 /// A model with its files.
 #[derive(ToSchema, Serialize)]
 pub struct UploadForm {
-    /// The model: .glb, .gltf, .obj, or a .zip that holds exactly one of them.
+    /// The model: .glb, .gltf, .obj, .ply, or a .zip that holds exactly one of them.
     #[schema(value_type = String, format = Binary)]
     model: Vec<u8>,
     /// Files that the model names; each part's filename is the path that the model uses.

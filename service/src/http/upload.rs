@@ -25,10 +25,11 @@ use crate::jobs::runner::hex;
 use crate::settings::Settings;
 
 /// Content types of a raw body, and the name that such a model gets.
-pub const RAW_TYPES: [(&str, &str); 5] = [
+pub const RAW_TYPES: [(&str, &str); 6] = [
     ("model/gltf-binary", "model.glb"),
     ("model/gltf+json", "model.gltf"),
     ("model/obj", "model.obj"),
+    ("model/ply", "model.ply"),
     ("application/zip", "model.zip"),
     ("application/octet-stream", "model"),
 ];

@@ -2,7 +2,7 @@
 
 mod sample;
 
-use meshcolor::asset::{AlphaMode, Slot};
+use meshcolor::asset::{AlphaMode, Attribute, Slot};
 use meshcolor::finished::{Anchor, Finished, FinishedPrimitive};
 use meshcolor::image::Pixels;
 
@@ -93,7 +93,7 @@ fn in_parts(mut conversion: Conversion) -> Conversion {
             ..piece.clone()
         }
     };
-    conversion.finished = Finished { textures, primitives: vec![part(0), part(1)] };
+    conversion.finished = Finished { textures, primitives: vec![part(0), part(1)], ..Finished::default() };
     conversion
 }
 
@@ -195,6 +195,43 @@ fn coordinates_of_both_kinds_show_the_same_ball() {
     }
     let difference = differences(&whole_on_cpu(&indexed), &whole_on_cpu(&four_d));
     assert!(difference.iter().filter(|d| **d > 1).count() < 10, "{:?}", difference.iter().max());
+}
+
+/// The ball with vertex colors that its base color holds, by number of the vertex.
+fn tinted_ball(color: impl Fn(usize) -> [f32; 3]) -> Conversion {
+    let mut conversion = sample::ball();
+    let primitive = &mut conversion.asset.meshes[0].primitives[0];
+    let colors = (0..primitive.positions.len()).flat_map(color);
+    primitive.attributes.push(Attribute {
+        semantic: "COLOR_0".to_owned(),
+        component_type: 5126,
+        kind: "VEC3".to_owned(),
+        normalized: false,
+        element_bytes: 12,
+        bytes: colors.flat_map(f32::to_le_bytes).collect(),
+    });
+    conversion.finished.vertex_colors = [0].into();
+    conversion
+}
+
+#[test]
+fn vertex_colors_show_on_the_side_that_has_them() {
+    let color = [0.5, 1.0, 0.25];
+    let tinted = seam_pictures(&tinted_ball(|_| color), 0);
+    let plain = seam_pictures(&sample::ball(), 0);
+    assert!(tinted[1].rgb == plain[1].rgb && tinted[0].rgb != plain[0].rgb);
+    let mut by_factor = sample::ball();
+    by_factor.asset.materials[0].base_color_factor *= glam::Vec3::from(color).extend(1.0);
+    let difference = differences(&seam_pictures(&by_factor, 0)[0], &tinted[0]);
+    assert!(difference.iter().all(|d| *d <= 1), "{:?}", difference.iter().max());
+    let none = Conversion { finished: sample::ball().finished, ..tinted_ball(|_| color) };
+    assert!(seam_pictures(&none, 0)[0].rgb == plain[0].rgb, "those that stay are on both sides, or on none");
+}
+
+#[test]
+fn both_renderers_draw_the_same_vertex_colors() {
+    let color = |vertex: usize| [0, 1, 2].map(|k| ((vertex * 7 + k * 5) % 11) as f32 / 10.0);
+    compare("both_renderers_draw_the_same_vertex_colors", &tinted_ball(color));
 }
 
 #[test]

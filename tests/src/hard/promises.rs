@@ -265,5 +265,6 @@ fn paint_over(image: &mut Image) {
     match &mut image.pixels {
         Pixels::U8(codes) => codes.iter_mut().enumerate().for_each(|(at, c)| *c = code(at)),
         Pixels::U16(codes) => codes.iter_mut().enumerate().for_each(|(at, c)| *c = u16::from(code(at)) * 257),
+        Pixels::F32(_) => {}
     }
 }

@@ -161,7 +161,7 @@ impl Stages<'_> {
             Primitive { material: Some(0), positions: self.patch.positions.clone(), ..Primitive::default() };
         let mesh = Mesh { name: String::new(), primitives: vec![primitive] };
         let asset = Asset { meshes: vec![mesh], ..Asset::default() };
-        (asset, Finished { textures: vec![texture], primitives: vec![piece] })
+        (asset, Finished { textures: vec![texture], primitives: vec![piece], ..Finished::default() })
     }
 
     /// What the surface shows at corners against what the solver said.

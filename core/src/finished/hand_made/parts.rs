@@ -25,5 +25,6 @@ pub fn split(finished: &Finished, is_second: impl Fn(&FinishedTriangle) -> bool)
         }
     };
     let pieces = finished.primitives.iter().flat_map(|piece| [0, 1].map(|part| piece_of(piece, part)));
-    Finished { textures, primitives: pieces.filter(|piece| !piece.triangles.is_empty()).collect() }
+    let primitives = pieces.filter(|piece| !piece.triangles.is_empty()).collect();
+    Finished { textures, primitives, vertex_colors: finished.vertex_colors.clone() }
 }

@@ -11,7 +11,7 @@ fn cells_hold_the_mean_of_the_source_by_area() {
     let surface = surface_of(&asset, &conversion);
     let graph = Graph::new(&surface);
     let cells = averages::cells(&surface, &graph, 0);
-    let origin = Origin::new(&asset, &surface, Slot::Occlusion).unwrap().unwrap();
+    let origin = Origin::new(&asset, &surface, Slot::Occlusion, false).unwrap().unwrap();
     let texels = origin.texels(origin.image);
     let source = Averaged { graph: &graph, surface: &surface, origin: &origin, texels };
     let in_cells = source.in_cells(&cells);

@@ -8,7 +8,7 @@ use glam::Vec3;
 fn measured(asset: &Asset, value: impl Fn(Vec3) -> [u8; 3], extent: Extent) -> Fidelity {
     let conversion = finished(Slot::Occlusion, value);
     let surface = surface_of(asset, &conversion);
-    let origin = Origin::new(asset, &surface, Slot::Occlusion).unwrap().unwrap();
+    let origin = Origin::new(asset, &surface, Slot::Occlusion, false).unwrap().unwrap();
     let converted = Converted::new(&surface, vec![&conversion.textures[0]], Meaning::Data).unwrap();
     fidelity(
         &origin,

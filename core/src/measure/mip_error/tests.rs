@@ -10,7 +10,7 @@ const JOINED: [bool; 1] = [false];
 
 fn errors(slot: Slot, asset: &Asset, conversion: &Finished, cut_flags: &[bool]) -> Vec<MipError> {
     let surface = surface_of(asset, conversion);
-    let origin = Origin::new(asset, &surface, slot).unwrap().unwrap();
+    let origin = Origin::new(asset, &surface, slot, false).unwrap().unwrap();
     let converted = Converted::new(&surface, vec![&conversion.textures[0]], meaning(asset, 0, slot)).unwrap();
     let averages = Averages::new(&surface, 0, 256, 3);
     let found = averages.mip_errors(&origin, &converted, cut_flags);

@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::*;
 use crate::error::ErrorCode;
 use crate::finished::{Anchor, Frame, hand_made};
+use crate::image::Pixels;
 use crate::measure::hand_made::{EXPONENT, UPRIGHT, code_mut, finished, finished_by_triangle, image, square};
 use crate::measure::report::{CoordinatesKind, SubjectKind, TableReport, Verdict};
 use crate::measure::verdict::judge;

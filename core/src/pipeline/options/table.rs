@@ -5,8 +5,10 @@ use crate::layout::{Coordinates, Packing};
 use crate::mip::{Beyond, MipFilter};
 use crate::resample::Sampling;
 use crate::solve::Solver;
+use crate::write::GeometryFormat;
 use crate::write::textures::{BlockFormat, TextureFormat};
 
+use super::super::vertex_colors::VertexColors;
 use super::Quality;
 use super::text::{NONE, names};
 
@@ -45,6 +47,15 @@ pub const BLOCKS: &[(&str, BlockFormat)] = &[
     ("bc6h", BlockFormat::Bc6h),
     ("astc", BlockFormat::Astc),
 ];
+
+pub const GEOMETRIES: &[(&str, GeometryFormat)] = &[
+    ("plain", GeometryFormat::Plain),
+    ("meshopt", GeometryFormat::Meshopt),
+    ("quantized", GeometryFormat::Quantized),
+];
+
+pub const VERTEX_COLORS: &[(&str, VertexColors)] =
+    &[("keep", VertexColors::Keep), ("auto", VertexColors::Auto), ("bake", VertexColors::Bake)];
 
 /// One option as every interface shows it.
 #[derive(Clone, Copy, Debug)]
@@ -242,5 +253,23 @@ pub const OPTIONS: &[OptionSpec] = &[
         rungs: &[],
         allowed: SWITCH_ALLOWED,
         doc: "Writes the samples themselves too, as `mesh_colors.glb`, which can be converted again",
+    },
+    OptionSpec {
+        name: "geometry",
+        value_name: "FORMAT",
+        default: "plain",
+        follows_quality: false,
+        rungs: &[],
+        allowed: "plain, meshopt, quantized",
+        doc: "How `asset.glb` stores vertices and indices: as they are, packed by EXT_meshopt_compression, or packed with positions, normals and tangents rounded; mesh color coordinates stay exact",
+    },
+    OptionSpec {
+        name: "vertex-colors",
+        value_name: "RUNG",
+        default: "auto",
+        follows_quality: false,
+        rungs: &[],
+        allowed: "keep, auto, bake",
+        doc: "What becomes of vertex colors (COLOR_0): they stay as they are, or they become the base color of materials that have no texture at all, or they multiply every base color; taken ones leave the vertices",
     },
 ];

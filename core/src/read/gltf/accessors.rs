@@ -219,7 +219,7 @@ fn read_sparse(at: &At, accessor: &Accessor, views: &[View]) -> Result<Sparse> {
     Ok(Sparse { count, index_type, indices, values })
 }
 
-fn component(at: &At) -> Result<DataType> {
+pub(super) fn component(at: &At) -> Result<DataType> {
     let code = at.need_size("componentType")?;
     match code {
         5120 => Ok(DataType::I8),
@@ -232,7 +232,7 @@ fn component(at: &At) -> Result<DataType> {
     }
 }
 
-fn dimensions(at: &At) -> Result<Dimensions> {
+pub(super) fn dimensions(at: &At) -> Result<Dimensions> {
     let name = at.string("type")?.ok_or_else(|| at.error("`type` is missing"))?;
     match name {
         "SCALAR" => Ok(Dimensions::Scalar),

@@ -4,12 +4,15 @@ use super::super::json::At;
 use super::super::text::quoted;
 use crate::error::{Error, ErrorCode, Result};
 
-const UNDERSTOOD: [&str; 7] = [
+const UNDERSTOOD: [&str; 10] = [
     "KHR_texture_transform",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
+    "KHR_draco_mesh_compression",
     "EXT_meshopt_compression",
+    "KHR_texture_basisu",
     "EXT_texture_webp",
+    "FB_ngon_encoding",
     "MCT_mesh_color_texture",
     "MCT_mesh_colors",
 ];

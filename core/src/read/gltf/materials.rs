@@ -1,7 +1,7 @@
 //! Materials: the five core texture slots with sampler, set and transform, and the factors.
 
 use glam::{Vec2, Vec3, Vec4};
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::super::images::Wanted;
 use super::super::json::At;
@@ -15,6 +15,9 @@ use crate::image::{Wrap, WrapMode};
 /// Components of a texture transform stay within this, so that texel numbers fit their type.
 const TRANSFORM_MAX: f32 = 1e6;
 
+/// Extensions that name an image of a format that the core lacks; the last that a texture has counts.
+const SOURCES: [&str; 2] = ["KHR_texture_basisu", "EXT_texture_webp"];
+
 /// A texture of the document: `None` where it has no image of a format that is read.
 struct Texture {
     image: Option<usize>,
@@ -24,6 +27,11 @@ struct Texture {
 pub(super) fn read(root: &At, warnings: &mut Warnings) -> Result<Vec<Material>> {
     let textures = read_textures(root)?;
     root.objects("materials")?.iter().map(|at| read_one(at, &textures, warnings)).collect()
+}
+
+/// A material that says nothing.
+pub(super) fn blank() -> Result<Material> {
+    read_one(&At::root(&Value::Object(Map::new())), &[], &mut Warnings::default())
 }
 
 /// The images that a core slot of a material reads, and the levels of converted ones, which are found by
@@ -59,12 +67,15 @@ fn read_textures(root: &At) -> Result<Vec<Texture>> {
         let wrap = sampler.map_or_else(Wrap::default, |sampler| wraps[sampler]);
         let core = at.index("source", image_count, "images")?;
         // Where there are both, the other one is for readers that do not know the extension.
-        let webp = match at.object("extensions")? {
-            Some(extensions) => extensions.object("EXT_texture_webp")?,
-            None => None,
-        };
-        let webp = webp.map(|webp| webp.need_index("source", image_count, "images")).transpose()?;
-        Ok(Texture { image: webp.or(core), wrap })
+        let mut image = core;
+        if let Some(extensions) = at.object("extensions")? {
+            for name in SOURCES {
+                if let Some(extension) = extensions.object(name)? {
+                    image = Some(extension.need_index("source", image_count, "images")?);
+                }
+            }
+        }
+        Ok(Texture { image, wrap })
     };
     root.objects("textures")?.iter().map(read).collect()
 }
@@ -133,7 +144,8 @@ fn texture_ref(info: &At, textures: &[Texture], warnings: &mut Warnings) -> Resu
         texcoord = set(&at)?.unwrap_or(texcoord);
     }
     let Some(image) = textures[index].image else {
-        let detail = "texture slots whose texture has no `source` in PNG, JPEG or WebP; they count as empty";
+        let detail =
+            "texture slots whose texture has no `source` in a format that is read; they count as empty";
         warnings.add("texture_without_image", &info.pointer, detail);
         return Ok(None);
     };

@@ -18,15 +18,15 @@ const UNIT_TOLERANCE: f32 = 1e-3;
 
 const OUT_OF_RANGE: &str = "channels with samples outside of [0, 1], which is all that a texture slot holds; the nearest in it are taken";
 
-/// Joins triangles that a primitive names as quads.
+/// Joins triangles that a primitive names as quads; whether it names any.
 pub(super) fn join_quads(
     primitive: &At,
     faces: &mut Vec<Face>,
     store: &Store,
     budget: &mut Budget,
-) -> Result<()> {
-    let Some(own) = extension(primitive)? else { return Ok(()) };
-    let Some((at, accessor)) = accessor(&own, "quads", store)? else { return Ok(()) };
+) -> Result<bool> {
+    let Some(own) = extension(primitive)? else { return Ok(false) };
+    let Some((at, accessor)) = accessor(&own, "quads", store)? else { return Ok(false) };
     let firsts = whole_numbers(store, accessor, ("quads", Dimensions::Scalar), budget)?;
     let mut joined = Vec::with_capacity(faces.len());
     let mut next = 0;
@@ -52,7 +52,7 @@ pub(super) fn join_quads(
     }
     joined.extend_from_slice(&faces[next..]);
     *faces = joined;
-    Ok(())
+    Ok(true)
 }
 
 /// Puts samples in their materials, and takes textures out of the slots that they are for.

@@ -3,12 +3,15 @@
 //! The order is that of trust: extensions and references first, then buffers, then what is made of them.
 
 mod accessors;
+mod bare;
 mod buffers;
+mod draco;
 mod extensions;
 mod faces;
 mod materials;
 mod mesh_colors;
 mod meshopt;
+mod ngons;
 mod primitives;
 mod quantized;
 mod references;
@@ -41,12 +44,16 @@ pub(super) fn read(mut json: Value, bin: Option<&[u8]>, context: &mut Context) -
     drop(root);
     meshopt::replace(&mut json, &mut buffers, unpacked);
     let root = At::root(&json);
+    let unpacked = draco::unpack(&root, &buffers, context)?;
+    drop(root);
+    draco::replace(&mut json, &mut buffers, unpacked);
+    let root = At::root(&json);
 
     let store = accessors::Store::new(&root, &buffers, &mut context.warnings)?;
     let encoded_images = buffers::load_images(&root, &store, context)?;
     let mut materials = materials::read(&root, &mut context.warnings)?;
     let instances = scene::read(&root, context.budget.limits)?;
-    let meshes = primitives::read(&root, &store, context)?;
+    let mut meshes = primitives::read(&root, &store, context)?;
     mesh_colors::read(&root, &store, &meshes, &mut materials, context)?;
 
     let wanted = materials::wanted_images(&root, &materials, encoded_images.len());
@@ -55,6 +62,7 @@ pub(super) fn read(mut json: Value, bin: Option<&[u8]>, context: &mut Context) -
         reference.image = decoded.canonical[reference.image];
     }
     drop(root);
+    bare::give_material(&mut json, &mut meshes, &mut materials)?;
     Ok(Asset {
         images: decoded.images,
         materials,

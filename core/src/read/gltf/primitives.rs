@@ -7,6 +7,7 @@ use super::super::text::quoted;
 use super::accessors::{Accessor, Store, type_name};
 use super::faces::{Mode, unroll};
 use super::mesh_colors;
+use super::ngons;
 use super::typed;
 use crate::asset::{Attribute, Mesh, MorphTarget, Primitive};
 use crate::error::Result;
@@ -20,16 +21,24 @@ pub(super) fn read(root: &At, store: &Store, context: &mut Context) -> Result<Ve
     let mut meshes = Vec::new();
     for at in &root.objects("meshes")? {
         let mut primitives = Vec::new();
+        let has_ngons = ngons::is_marked(at)?;
         for at in &at.objects("primitives")? {
             watch::check(context.watch)?;
-            primitives.push(read_primitive(at, store, material_count, context)?);
+            primitives.push(read_primitive(at, has_ngons, material_count, store, context)?);
         }
         meshes.push(Mesh { name: at.string("name")?.unwrap_or_default().to_owned(), primitives });
     }
     Ok(meshes)
 }
 
-fn read_primitive(at: &At, store: &Store, material_count: usize, context: &mut Context) -> Result<Primitive> {
+/// `has_ngons`: the mesh says that triangles are in the order of polygons.
+fn read_primitive(
+    at: &At,
+    has_ngons: bool,
+    material_count: usize,
+    store: &Store,
+    context: &mut Context,
+) -> Result<Primitive> {
     let attributes = at.object("attributes")?.ok_or_else(|| at.error("`attributes` is missing"))?;
     let Some(position) = accessor_at(&attributes, "POSITION", store)? else {
         return Err(attributes.error("`POSITION` is missing"));
@@ -62,7 +71,7 @@ fn read_primitive(at: &At, store: &Store, material_count: usize, context: &mut C
     for target in at.objects("targets")? {
         primitive.targets.push(read_target(&target, store, vertex_count, context)?);
     }
-    read_faces(at, &mut primitive, store, context)?;
+    read_faces(at, has_ngons, &mut primitive, store, context)?;
     geometry::finish(&mut primitive, &at.pointer, &mut context.warnings);
     Ok(primitive)
 }
@@ -134,7 +143,13 @@ fn read_target(at: &At, store: &Store, vertex_count: usize, context: &mut Contex
     Ok(MorphTarget { attributes })
 }
 
-fn read_faces(at: &At, primitive: &mut Primitive, store: &Store, context: &mut Context) -> Result<()> {
+fn read_faces(
+    at: &At,
+    has_ngons: bool,
+    primitive: &mut Primitive,
+    store: &Store,
+    context: &mut Context,
+) -> Result<()> {
     let code = at.size("mode")?.unwrap_or(4);
     let Some(mode) = Mode::from_code(code) else {
         return Err(at.error(format!("mode {code} is not one of 0 to 6")));
@@ -154,5 +169,10 @@ fn read_faces(at: &At, primitive: &mut Primitive, store: &Store, context: &mut C
             unroll(mode, vertex_count, |corner| corner as u32, &at.pointer, budget)?
         }
     };
-    mesh_colors::join_quads(at, &mut primitive.faces, store, budget)
+    let is_listed = mesh_colors::join_quads(at, &mut primitive.faces, store, budget)?;
+    // A list of quads says more, and mesh colors count on it.
+    if !is_listed && mode == Mode::Triangles && (has_ngons || ngons::is_marked(at)?) {
+        ngons::join_quads(&mut primitive.faces, &at.pointer, &mut context.warnings);
+    }
+    Ok(())
 }

@@ -1,27 +1,19 @@
-//! The materials of an OBJ file: libraries found, definitions matched to `usemtl`, images loaded.
+//! The materials of an OBJ file: libraries found, definitions matched to `usemtl`, image files named.
 
 use std::collections::HashMap;
 
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
-use super::super::images::Wanted;
+use super::super::Context;
+use super::super::made_up::{ImageFiles, plain};
 use super::super::text::quoted_bytes;
 use super::super::uri::folder_of;
-use super::super::{Context, images};
 use super::mtl::{self, Definition, Map};
 use super::parse::Parsed;
-use crate::asset::{AlphaMode, EncodedImage, Material, Slot, TextureRef};
+use super::ptex::{self, Kind, Uses};
+use crate::asset::{AlphaMode, Material, Slot, TextureRef};
 use crate::error::{Error, Result};
-use crate::image::{Image, Wrap, WrapMode};
-
-/// Materials by number of first use, and the images that they read.
-pub(super) struct Materials {
-    pub materials: Vec<Material>,
-    pub images: Vec<Image>,
-    pub encoded: Vec<EncodedImage>,
-    /// File names of the images.
-    pub image_names: Vec<String>,
-}
+use crate::image::{Wrap, WrapMode};
 
 /// A definition with the folder of its library.
 struct Found {
@@ -29,13 +21,23 @@ struct Found {
     folder: String,
 }
 
-pub(super) fn read(parsed: &Parsed, file: &str, context: &mut Context) -> Result<Materials> {
-    let found = definitions(parsed, file, context)?;
+/// Materials by number of first use, the image files that they name, and which of these are Ptex.
+pub(super) fn read(
+    parsed: &mut Parsed,
+    file: &str,
+    context: &mut Context,
+) -> Result<(Vec<Material>, ImageFiles, Uses)> {
+    let mut found = definitions(parsed, file, context)?;
+    if let Some(definition) = ptex::beside(parsed, file, context)? {
+        let folder = context.resources.folder().to_owned();
+        found.insert(definition.name.clone(), Found { definition, folder });
+    }
     let mut gathered = Gathered::default();
     let mut materials = Vec::new();
-    for name in &parsed.materials.list {
+    let is_used = used(parsed);
+    for (number, name) in parsed.materials.list.iter().enumerate() {
         materials.push(match found.get(name) {
-            Some(found) => gathered.material(found, context)?,
+            Some(found) => gathered.material(found, (number, is_used[number]), context)?,
             None => {
                 if !parsed.libraries.is_empty() {
                     let detail =
@@ -46,13 +48,18 @@ pub(super) fn read(parsed: &Parsed, file: &str, context: &mut Context) -> Result
             }
         });
     }
-    let Gathered { encoded, names, places, .. } = gathered;
-    let wanted = vec![Wanted::Shared; encoded.len()];
-    let decoded = images::decode_all(&encoded, &wanted, |index| places[index].clone(), context)?;
-    for reference in materials.iter_mut().flat_map(|material| &mut material.slots).flatten() {
-        reference.image = decoded.canonical[reference.image];
+    Ok((materials, gathered.files, gathered.ptex))
+}
+
+/// By material, whether a face has it.
+fn used(parsed: &Parsed) -> Vec<bool> {
+    let mut used = vec![false; parsed.materials.list.len()];
+    for polygon in &parsed.soup.polygons {
+        if let Some(used) = used.get_mut(polygon.material as usize) {
+            *used = true;
+        }
     }
-    Ok(Materials { materials, images: decoded.images, encoded, image_names: names })
+    used
 }
 
 /// All definitions by name; of two with one name, the first counts.
@@ -88,43 +95,50 @@ fn libraries(names: &[u8], place: &str, context: &mut Context) -> Result<Vec<(St
     names.map(|name| context.resources.load_name(name, &folder, place, &mut context.budget)).collect()
 }
 
-fn plain(name: &[u8]) -> Material {
-    Material {
-        name: String::from_utf8_lossy(name).into_owned(),
-        base_color_factor: Vec4::ONE,
-        metallic_factor: 0.0,
-        roughness_factor: 1.0,
-        normal_scale: 1.0,
-        occlusion_strength: 1.0,
-        ..Material::default()
-    }
-}
-
-/// Image files in the order of first use, each loaded once.
+/// What materials name.
 #[derive(Default)]
 struct Gathered {
-    encoded: Vec<EncodedImage>,
-    names: Vec<String>,
-    places: Vec<String>,
-    numbers: HashMap<(String, Vec<u8>), usize>,
+    files: ImageFiles,
+    /// By number of a Ptex file: what it is for each kind of slot that reads it.
+    kinds: HashMap<(usize, Kind), usize>,
+    ptex: Uses,
 }
 
 impl Gathered {
-    fn material(&mut self, found: &Found, context: &mut Context) -> Result<Material> {
+    fn material(
+        &mut self,
+        found: &Found,
+        (number, is_used): (usize, bool),
+        context: &mut Context,
+    ) -> Result<Material> {
         let definition = &found.definition;
         let mut material = plain(&definition.name);
-        let mut slot = |slot: Slot, map: &Option<Map>| -> Result<bool> {
-            let Some(map) = map else { return Ok(false) };
-            let image = self.image(map, &found.folder, context)?;
+        let maps = [
+            (Slot::BaseColor, &definition.diffuse_map),
+            (Slot::Normal, &definition.normal_map),
+            (Slot::Emissive, &definition.emission_map),
+        ];
+        for (slot, map) in maps {
+            let Some(map) = map else { continue };
+            let kind = if slot == Slot::Normal { Kind::Normal } else { Kind::Color };
+            let image = self.image(map, kind, &found.folder, context)?;
+            if self.ptex.contains(image) {
+                // Nobody could see it, and it has no faces to belong to.
+                if is_used {
+                    self.ptex.check(map, &mut context.warnings);
+                    material.slots[slot as usize] = Some(self.ptex.reference(number, image));
+                }
+                continue;
+            }
+            self.ptex.keep_own(number);
             let mode = if map.clamp { WrapMode::ClampToEdge } else { WrapMode::Repeat };
-            let reference =
-                TextureRef { image, wrap: Wrap { s: mode, t: mode }, texcoord: 0, transform: map.transform };
-            material.slots[slot as usize] = Some(reference);
-            Ok(true)
-        };
-        let has_diffuse_map = slot(Slot::BaseColor, &definition.diffuse_map)?;
-        slot(Slot::Normal, &definition.normal_map)?;
-        let has_emission_map = slot(Slot::Emissive, &definition.emission_map)?;
+            let wrap = Wrap { s: mode, t: mode };
+            material.slots[slot as usize] =
+                Some(TextureRef { image, wrap, texcoord: 0, transform: map.transform });
+        }
+        self.ptex.number_sets(number, &mut material);
+        let [has_diffuse_map, has_emission_map] =
+            [&definition.diffuse_map, &definition.emission_map].map(Option::is_some);
 
         // Exporters write a gray Kd beside a map that is meant as it stands.
         let diffuse = definition.diffuse.filter(|_| !has_diffuse_map).unwrap_or(Vec3::ONE);
@@ -143,18 +157,18 @@ impl Gathered {
         Ok(material)
     }
 
-    fn image(&mut self, map: &Map, folder: &str, context: &mut Context) -> Result<usize> {
-        let key = (folder.to_owned(), map.file.clone());
-        if let Some(&known) = self.numbers.get(&key) {
+    /// A Ptex file is an image for each kind of slot that reads it.
+    fn image(&mut self, map: &Map, kind: Kind, folder: &str, context: &mut Context) -> Result<usize> {
+        let file = self.files.number(&map.file, folder, &map.place, context)?;
+        if !self.files.is_apart(file) {
+            return Ok(file);
+        }
+        if let Some(&known) = self.kinds.get(&(file, kind)) {
             return Ok(known);
         }
-        let (path, bytes) =
-            context.resources.load_name(&map.file, folder, &map.place, &mut context.budget)?;
-        let media_type = images::media_type_of(&bytes).unwrap_or("application/octet-stream").to_owned();
-        self.encoded.push(EncodedImage { media_type, bytes });
-        self.names.push(path);
-        self.places.push(map.place.clone());
-        self.numbers.insert(key, self.encoded.len() - 1);
-        Ok(self.encoded.len() - 1)
+        let number = if self.ptex.contains(file) { self.files.copy(file) } else { file };
+        self.kinds.insert((file, kind), number);
+        self.ptex.add(number, kind);
+        Ok(number)
     }
 }

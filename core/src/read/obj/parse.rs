@@ -6,48 +6,20 @@ use glam::{Vec2, Vec3};
 
 use super::super::Context;
 use super::super::geometry::{POSITION_MAX, UV_MAX};
+use super::super::made_up::{Corner, NONE, Polygon, Soup};
 use super::super::text::quoted_bytes;
 use super::lines::{Lines, number, split_word, words};
 use crate::error::{Error, ErrorCode, Result};
 use crate::math::transfer::srgb_to_linear;
 use crate::watch;
 
-/// Stands for "the corner names none".
-pub(super) const NONE: u32 = u32::MAX;
-
 /// Lines between two looks at the watch.
 const WATCH_LINES: usize = 1 << 16;
 
-/// Indices into the lists of [`Parsed`], counted from 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Corner {
-    pub position: u32,
-    pub texcoord: u32,
-    pub normal: u32,
-}
-
-/// A polygon: `corners[first..first + count]`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Polygon {
-    pub first: usize,
-    pub count: usize,
-    pub object: usize,
-    /// Index into `materials`, or [`NONE`].
-    pub material: u32,
-    pub line: usize,
-}
-
-/// Every index is in range.
+/// Polygons have the numbers of their lines.
 #[derive(Debug, Default)]
 pub(super) struct Parsed {
-    pub positions: Vec<Vec3>,
-    /// Linear colors of the first positions; complete where it is as long as `positions`.
-    pub colors: Vec<Vec3>,
-    /// In glTF's convention: v downwards.
-    pub texcoords: Vec<Vec2>,
-    pub normals: Vec<Vec3>,
-    pub corners: Vec<Corner>,
-    pub polygons: Vec<Polygon>,
+    pub soup: Soup,
     pub objects: Names,
     pub materials: Names,
     /// What follows `mtllib`, with the line.
@@ -62,7 +34,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    fn number(&mut self, name: &[u8]) -> usize {
+    pub(super) fn number(&mut self, name: &[u8]) -> usize {
         if let Some(&number) = self.numbers.get(name) {
             return number;
         }
@@ -74,7 +46,9 @@ impl Names {
 }
 
 pub(super) fn parse(text: &[u8], file: &str, context: &mut Context) -> Result<Parsed> {
-    let mut parser = Parser { parsed: Parsed::default(), object: None, material: NONE, context };
+    let soup = Soup { file: file.to_owned(), separator: ":", ..Soup::default() };
+    let parsed = Parsed { soup, ..Parsed::default() };
+    let mut parser = Parser { parsed, object: None, material: NONE, context };
     for (count, (line, statement)) in Lines::new(text).enumerate() {
         if count % WATCH_LINES == 0 {
             watch::check(parser.context.watch)?;
@@ -82,8 +56,8 @@ pub(super) fn parse(text: &[u8], file: &str, context: &mut Context) -> Result<Pa
         parser.statement(&statement, line, file).map_err(|error| error.at(format!("{file}:{line}")))?;
     }
     let parsed = parser.parsed;
-    check_ranges(&parsed, file)?;
-    if parsed.polygons.is_empty() {
+    check_ranges(&parsed.soup)?;
+    if parsed.soup.polygons.is_empty() {
         return Err(Error::new(ErrorCode::NothingToConvert, "the OBJ file has no faces").at(file));
     }
     Ok(parsed)
@@ -138,13 +112,13 @@ impl Parser<'_, '_> {
                 return Err(Error::invalid(detail));
             }
         };
-        let parsed = &mut self.parsed;
+        let parsed = &mut self.parsed.soup;
         check_count(parsed.positions.len(), self.context.budget.limits.vertices, "v")?;
         if let Some(color) = color
             && parsed.colors.len() == parsed.positions.len()
         {
             // Painting tools store what they show, glTF's COLOR_0 is linear.
-            parsed.colors.push(Vec3::from_array(color.map(srgb_to_linear)));
+            parsed.colors.push(Vec3::from_array(color.map(srgb_to_linear)).extend(1.0));
         }
         parsed.positions.push(Vec3::new(numbers[0], numbers[1], numbers[2]));
         Ok(())
@@ -155,8 +129,8 @@ impl Parser<'_, '_> {
         if count == 0 {
             return Err(Error::invalid("`vt` has no numbers"));
         }
-        check_count(self.parsed.texcoords.len(), self.context.budget.limits.vertices, "vt")?;
-        self.parsed.texcoords.push(Vec2::new(numbers[0], (1.0 - numbers[1]).clamp(-UV_MAX, UV_MAX)));
+        check_count(self.parsed.soup.texcoords.len(), self.context.budget.limits.vertices, "vt")?;
+        self.parsed.soup.texcoords.push(Vec2::new(numbers[0], (1.0 - numbers[1]).clamp(-UV_MAX, UV_MAX)));
         Ok(())
     }
 
@@ -165,22 +139,22 @@ impl Parser<'_, '_> {
         if count != 3 {
             return Err(Error::invalid(format!("`vn` has {count} numbers; a normal has 3")));
         }
-        check_count(self.parsed.normals.len(), self.context.budget.limits.vertices, "vn")?;
-        self.parsed.normals.push(Vec3::from_array(numbers));
+        check_count(self.parsed.soup.normals.len(), self.context.budget.limits.vertices, "vn")?;
+        self.parsed.soup.normals.push(Vec3::from_array(numbers));
         Ok(())
     }
 
     fn face(&mut self, rest: &[u8], line: usize) -> Result<()> {
-        let first = self.parsed.corners.len();
+        let first = self.parsed.soup.corners.len();
         for (index, word) in words(rest).enumerate() {
             let corner = self.corner(word)?;
             // Each corner after the second makes a triangle, counted before it is stored.
             if index >= 2 {
                 self.context.budget.take_triangles(1, "")?;
             }
-            self.parsed.corners.push(corner);
+            self.parsed.soup.corners.push(corner);
         }
-        let count = self.parsed.corners.len() - first;
+        let count = self.parsed.soup.corners.len() - first;
         if count < 3 {
             return Err(Error::invalid(format!("the face has {count} corners; it needs at least 3")));
         }
@@ -188,7 +162,8 @@ impl Parser<'_, '_> {
             Some(object) => object,
             None => *self.object.insert(self.parsed.objects.number(b"")),
         };
-        self.parsed.polygons.push(Polygon { first, count, object, material: self.material, line });
+        let polygon = Polygon { first, count, object, material: self.material, number: line };
+        self.parsed.soup.polygons.push(polygon);
         Ok(())
     }
 
@@ -211,9 +186,9 @@ impl Parser<'_, '_> {
             }),
         };
         let corner = Corner {
-            position: part(self.parsed.positions.len(), "v")?,
-            texcoord: part(self.parsed.texcoords.len(), "vt")?,
-            normal: part(self.parsed.normals.len(), "vn")?,
+            position: part(self.parsed.soup.positions.len(), "v")?,
+            texcoord: part(self.parsed.soup.texcoords.len(), "vt")?,
+            normal: part(self.parsed.soup.normals.len(), "vn")?,
         };
         if corner.position == NONE || parts.next().is_some() {
             return Err(wrong());
@@ -259,10 +234,10 @@ fn index(digits: &[u8], length: usize) -> Option<u32> {
     u32::try_from(index).ok().filter(|&index| index != NONE)
 }
 
-fn check_ranges(parsed: &Parsed, file: &str) -> Result<()> {
-    let lists = [parsed.positions.len(), parsed.texcoords.len(), parsed.normals.len()];
-    for polygon in &parsed.polygons {
-        for corner in &parsed.corners[polygon.first..][..polygon.count] {
+fn check_ranges(soup: &Soup) -> Result<()> {
+    let lists = [soup.positions.len(), soup.texcoords.len(), soup.normals.len()];
+    for polygon in &soup.polygons {
+        for corner in soup.corners(polygon) {
             let indices = [corner.position, corner.texcoord, corner.normal];
             for ((index, length), what) in indices.into_iter().zip(lists).zip(["v", "vt", "vn"]) {
                 if index != NONE && index as usize >= length {
@@ -270,7 +245,7 @@ fn check_ranges(parsed: &Parsed, file: &str) -> Result<()> {
                         "the {what} index {} is out of range: the file has {length}",
                         u64::from(index) + 1
                     );
-                    return Err(Error::invalid(detail).at(format!("{file}:{}", polygon.line)));
+                    return Err(Error::invalid(detail).at(soup.place(polygon)));
                 }
             }
         }

@@ -1,29 +1,17 @@
 //! Packed buffer views: what meshoptimizer's encoders make of a model reads as the model, and hostile ones are refused.
 
-use std::ffi::c_void;
-
 use ::meshopt::ffi;
 
 use super::*;
 use crate::asset::Primitive;
+use crate::vertex_codec::{packed_attributes, packed_indices};
 
 const EXTENSION: &str = "EXT_meshopt_compression";
 const SIDE: usize = 20;
 const COUNT: usize = SIDE * SIDE;
 
-/// Vertices as the extension packs them: in the encoder's version 0.
 fn attributes(bytes: &[u8], stride: usize) -> Vec<u8> {
-    let count = bytes.len() / stride;
-    // SAFETY: `bytes` has `count` elements of `stride` bytes, `packed` as many bytes as the encoder asks for.
-    unsafe {
-        let mut packed = vec![0; ffi::meshopt_encodeVertexBufferBound(count, stride)];
-        let vertices = bytes.as_ptr().cast::<c_void>();
-        let target = packed.as_mut_ptr();
-        let length =
-            ffi::meshopt_encodeVertexBufferLevel(target, packed.len(), vertices, count, stride, 2, 0);
-        packed.truncate(length);
-        packed
-    }
+    packed_attributes(bytes, stride).unwrap()
 }
 
 fn triangles(indices: &[u32]) -> Vec<u8> {
@@ -38,14 +26,7 @@ fn triangles(indices: &[u32]) -> Vec<u8> {
 }
 
 fn sequence(indices: &[u32]) -> Vec<u8> {
-    // SAFETY: `packed` has as many bytes as the encoder asks for.
-    unsafe {
-        let mut packed = vec![0; ffi::meshopt_encodeIndexSequenceBound(indices.len(), COUNT)];
-        let (target, source) = (packed.as_mut_ptr(), indices.as_ptr());
-        let length = ffi::meshopt_encodeIndexSequence(target, packed.len(), source, indices.len());
-        packed.truncate(length);
-        packed
-    }
+    packed_indices(indices).unwrap()
 }
 
 fn le(numbers: &[f32]) -> Vec<u8> {

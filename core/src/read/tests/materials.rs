@@ -122,3 +122,24 @@ fn what_makes_no_sense_is_refused() {
         gltf.refused(ErrorCode::InvalidModel, &pointer);
     }
 }
+
+#[test]
+fn vertex_colors_without_a_material_get_one() {
+    let mut gltf = Gltf::triangle();
+    let colors = gltf.floats("VEC3", &[0.5; 9]);
+    let bare = gltf.primitive().clone();
+    gltf.primitive()["attributes"]["COLOR_0"] = json!(colors);
+    let colored = gltf.primitive().clone();
+    let mut switching = colored.clone();
+    switching["extensions"] = json!({ "KHR_materials_variants": { "mappings": [] } });
+    let mut points = colored.clone();
+    points["mode"] = json!(0);
+    gltf.json["meshes"][0]["primitives"] = json!([bare, colored, switching, points, colored]);
+    let asset = gltf.read().unwrap();
+    let materials: Vec<_> = asset.meshes[0].primitives.iter().map(|own| own.material).collect();
+    assert_eq!(materials, [None, Some(0), None, None, Some(0)]);
+    assert_eq!((asset.materials.len(), asset.materials[0].metallic_factor), (1, 1.0));
+    assert_eq!(asset.document.json["materials"], json!([{}]));
+    assert_eq!(asset.document.json["meshes"][0]["primitives"][1]["material"], 0);
+    assert!(asset.document.json["meshes"][0]["primitives"][0].get("material").is_none());
+}

@@ -2,14 +2,19 @@
 
 mod accessors;
 mod archives;
+mod basis;
 mod compressed;
 mod containers;
+mod draco;
 mod images;
 mod materials;
 mod models;
 mod mutations;
+mod ngons;
 mod obj;
+mod ply;
 mod primitives;
+mod ptex;
 mod quantized;
 mod scenes;
 mod uris;

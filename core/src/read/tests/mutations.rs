@@ -1,5 +1,6 @@
 //! Small valid files, bent at random places by a fixed seed: whatever comes out, it is no panic.
 
+use super::ply::Encoding;
 use super::*;
 
 /// xorshift64*: enough for choosing places.
@@ -31,6 +32,7 @@ fn seeds() -> Vec<Vec<u8>> {
     let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     zip.start_file("m.obj", zip::write::SimpleFileOptions::default()).unwrap();
     std::io::Write::write_all(&mut zip, obj).unwrap();
+    let [etc1s, uastc] = basis::seeds();
     vec![
         gltf.glb(),
         text.to_string().into_bytes(),
@@ -38,6 +40,13 @@ fn seeds() -> Vec<Vec<u8>> {
         zip.finish().unwrap().into_inner(),
         compressed::seed(),
         webp::seed(),
+        ply::seed(Encoding::Ascii),
+        ply::seed(Encoding::Little),
+        ply::seed(Encoding::Big),
+        ngons::seed(),
+        draco::seed(),
+        etc1s,
+        uastc,
     ]
 }
 

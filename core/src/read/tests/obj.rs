@@ -87,6 +87,7 @@ fn vertex_colors_are_an_attribute_where_all_have_them() {
     let asset = read_text(&format!("{colored}f 1 2 3\n")).unwrap();
     let color = &first(&asset).attributes[0];
     assert_eq!((color.semantic.as_str(), color.kind.as_str(), color.bytes.len()), ("COLOR_0", "VEC3", 36));
+    assert_eq!((first(&asset).material, asset.materials.len()), (Some(0), 1), "what the colors are of");
     let component = |at: usize| f32::from_le_bytes(color.bytes[4 * at..4 * at + 4].try_into().unwrap());
     assert_eq!((component(0), component(1)), (1.0, 0.0));
     assert!((component(2) - 0.214_041).abs() < 1e-5, "sRGB 0.5 in linear light");

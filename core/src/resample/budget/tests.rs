@@ -13,7 +13,7 @@ fn rates_of(picture: Image, is_pair: bool, finest: u8) -> (CanvasMesh, Rates) {
     let asset =
         two_charts(picture, [[low, low], [high, low], [low, high]], [[high, high], [low, high], [high, low]]);
     let canvas = canvas_of(&asset);
-    let channels = channels(&asset, 0);
+    let channels = channels(&asset, 0, false);
     let source = SurfaceSource::new(&channels[0], &asset, &canvas);
     let merged = merge(&canvas, &if is_pair { [Some(1), Some(0)] } else { [None, None] });
     let source = source.merged(&merged);

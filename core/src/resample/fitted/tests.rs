@@ -51,7 +51,7 @@ fn with_numbering<T>(
     run: impl FnOnce(&SurfaceSource<'_>, &LevelNumbering<'_>) -> T,
 ) -> T {
     let canvas = canvas_of(asset);
-    let channels = channels(asset, 0);
+    let channels = channels(asset, 0, false);
     let source = SurfaceSource::new(&channels[0], asset, &canvas);
     let resolutions = Resolutions::uniform(exponents.iter().copied());
     let topology = ChannelTopology::new(&canvas, &resolutions, &Cuts::none(&canvas));

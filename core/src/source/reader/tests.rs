@@ -1,7 +1,7 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::FaceReader;
-use crate::asset::{Asset, Face, Material, Mesh, Primitive, Slot, TextureRef, UvTransform};
+use crate::asset::{Asset, Attribute, Face, Material, Mesh, Primitive, Slot, TextureRef, UvTransform};
 use crate::colors::Shape;
 use crate::image::{Image, Pixels, Wrap};
 use crate::mesh::{CanvasMesh, Polygons, build};
@@ -22,6 +22,7 @@ fn model(slot: Slot) -> (Asset, CanvasMesh) {
         ],
         normals: (0..5).map(tilt).collect(),
         tangents: (0..5).map(|k| tilt(k).any_orthonormal_vector().extend(-1.0)).collect(),
+        attributes: vec![colors()],
         positions,
         faces,
         ..Primitive::default()
@@ -43,12 +44,25 @@ fn model(slot: Slot) -> (Asset, CanvasMesh) {
     (asset, canvas)
 }
 
-/// Rows show what single points show: with and without a tile, on both halves of a quad, colors and normals.
+/// Vertex colors of all kinds.
+fn colors() -> Attribute {
+    Attribute {
+        semantic: "COLOR_0".to_owned(),
+        component_type: 5121,
+        kind: "VEC4".to_owned(),
+        normalized: true,
+        element_bytes: 4,
+        bytes: (0..20u8).map(|k| k.wrapping_mul(89)).collect(),
+    }
+}
+
+/// Rows show what single points show: with and without a tile, on both halves of a quad, colors, colors times vertex colors, and
+/// normals.
 #[test]
 fn rows_agree_with_points() {
-    for slot in [Slot::BaseColor, Slot::Normal] {
+    for (slot, is_tinted) in [(Slot::BaseColor, false), (Slot::BaseColor, true), (Slot::Normal, true)] {
         let (asset, canvas) = model(slot);
-        let channels = channels(&asset, 0);
+        let channels = channels(&asset, 0, is_tinted);
         let source = SurfaceSource::new(&channels[0], &asset, &canvas);
         let wide = Shape::quad([8, 2]);
         let high = Shape::quad([2, 8]);
@@ -73,4 +87,26 @@ fn rows_agree_with_points() {
             }
         }
     }
+}
+
+/// At a corner the value is the texel's times the corner's color; without a texture it is the color.
+#[test]
+fn vertex_colors_multiply() {
+    let (mut asset, canvas) = model(Slot::BaseColor);
+    let colors = asset.meshes[0].primitives[0].vertex_colors().unwrap();
+    let value = |asset: &Asset, takes: bool| {
+        let channels = channels(asset, 0, takes);
+        let source = SurfaceSource::new(&channels[0], asset, &canvas);
+        // The quad's third corner is vertex 4, the middle of the triangle's first edge between 0 and 1.
+        [source.at(&canvas, 1, 1.0, 1.0), source.along_edge(&canvas, 0, 0, 0.5)]
+    };
+    let ([plain, edge], tinted) = (value(&asset, false), value(&asset, true));
+    let middle = (colors[0] + colors[1]) * 0.5;
+    assert!((tinted[0] - plain * colors[4]).abs().max_element() < 1e-6);
+    assert!((tinted[1] - edge * middle).abs().max_element() < 1e-6);
+    asset.materials[0].slots = Default::default();
+    assert!(channels(&asset, 0, false).is_empty());
+    let alone = value(&asset, true);
+    assert!((alone[0] - colors[4]).abs().max_element() < 1e-6);
+    assert!((alone[1] - middle).abs().max_element() < 1e-6);
 }

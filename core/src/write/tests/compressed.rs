@@ -5,7 +5,8 @@ use serde_json::{Value, json};
 use super::{fixture, parse};
 use crate::asset::Asset;
 
-const NAMES: [&str; 3] = ["KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_texture_webp"];
+const NAMES: [&str; 4] =
+    ["KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_texture_webp", "KHR_texture_basisu"];
 
 /// Which of the names are left in a file whose source requires all of them.
 fn left(change: impl FnOnce(&mut Asset)) -> Vec<String> {
@@ -50,6 +51,8 @@ fn quantized_primitives_and_morph_targets_that_stay_keep_the_name() {
 }
 
 #[test]
-fn webp_images_that_stay_keep_the_name() {
-    assert_eq!(left(|asset| asset.document.json["images"][1]["mimeType"] = "image/webp".into()), [NAMES[2]]);
+fn images_that_stay_keep_the_name() {
+    for (media_type, name) in [("image/webp", NAMES[2]), ("image/ktx2", NAMES[3])] {
+        assert_eq!(left(|asset| asset.document.json["images"][1]["mimeType"] = media_type.into()), [name]);
+    }
 }

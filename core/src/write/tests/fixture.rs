@@ -235,7 +235,7 @@ pub fn finished(asset: &Asset) -> Finished {
             triangles,
         }
     };
-    Finished { primitives: vec![piece(&asset.meshes[0].primitives[0])], textures }
+    Finished { primitives: vec![piece(&asset.meshes[0].primitives[0])], textures, ..Finished::default() }
 }
 
 pub fn converted() -> (Asset, Finished, Vec<u8>) {
@@ -273,6 +273,7 @@ fn deepen(image: &mut Image, change: impl Fn(u16) -> u16) {
     let codes: Vec<u16> = match &image.pixels {
         Pixels::U8(codes) => codes.iter().map(|&code| u16::from(code)).collect(),
         Pixels::U16(codes) => codes.clone(),
+        Pixels::F32(_) => panic!("made of codes"),
     };
     image.pixels = Pixels::U16(codes.into_iter().map(change).collect());
 }

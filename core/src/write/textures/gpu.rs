@@ -60,6 +60,7 @@ pub fn texels(level: &Level<'_>) -> Result<Texels> {
             let formats = [Format::R16_UNORM, Format::R16G16_UNORM, Format::R16G16B16A16_UNORM];
             (by_count(formats), little_endian(&padded(codes, components, OPAQUE_16)))
         }
+        (Pixels::F32(_), _, _) => return Err(Error::internal("a source's values are no level image")),
     };
     let mut keys: Vec<_> = swizzle.map(|swizzle| ("KTXswizzle", swizzle.to_owned())).into_iter().collect();
     if let Some(LevelRange::Scaled16 { scale, bias }) = level.range {

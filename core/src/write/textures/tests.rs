@@ -43,7 +43,7 @@ fn channels(list: &[(&[Slot], u8, u8)]) -> (Asset, Finished) {
         levels: SIZES.map(|size| image(size, components, bits, 7)).to_vec(),
         ranges: BTreeMap::new(),
     };
-    (asset, Finished { textures: list.iter().map(texture).collect(), primitives: Vec::new() })
+    (asset, Finished { textures: list.iter().map(texture).collect(), ..Finished::default() })
 }
 
 fn written(asset: &Asset, finished: &Finished, formats: &[TextureFormat]) -> Vec<BundleFile> {
@@ -157,6 +157,7 @@ fn stored(image: &Image, opaque: u16) -> Vec<u8> {
                 })
                 .collect()
         }
+        Pixels::F32(_) => panic!("made of codes"),
         Pixels::U16(codes) => {
             let words = codes.iter().enumerate();
             words

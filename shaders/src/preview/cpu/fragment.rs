@@ -90,7 +90,9 @@ impl Fragment<'_> {
     pub fn color(&self, look: Look) -> Option<Vec4> {
         let surface = &self.batch.surface;
         let texel = self.sample(Slot::BaseColor);
-        let base = texel.unwrap_or(Vec4::ONE) * surface.base_color_factor;
+        let tint =
+            self.batch.layout.color.map_or(Vec4::ONE, |at| Vec4::from_array(self.mix(at, self.weights.at)));
+        let base = texel.unwrap_or(Vec4::ONE) * tint * surface.base_color_factor;
         if let AlphaMode::Mask(cutoff) = surface.alpha_mode
             && base.w < cutoff
         {

@@ -54,6 +54,7 @@ impl Key {
             ("UV_SETS", layout.uv_set_count as u32),
             ("MESH_AT", layout.mesh.unwrap_or(0) as u32),
             ("INDEXED", u32::from(table.is_some())),
+            ("COLOR_AT", layout.color.unwrap_or(0) as u32),
         ];
         Self { overrides, is_double_sided: surface.double_sided, is_blended: alpha == 2 }
     }

@@ -96,12 +96,12 @@ fn ensure_size(gpu: &Gpu, size: [u32; 2]) -> Result<(), PreviewError> {
     Err(gpu.failure(format!("a texture of {width} × {height} is over its limit of {limit}")))
 }
 
-/// 16-bit codes become half floats in linear light: there is no 16-bit sRGB format, and this one is
+/// 16-bit codes and a source's values become half floats in linear light: there is no 16-bit sRGB format, and this one is
 /// filtered everywhere. So do all levels of a stack that has one in a range, decoded.
 fn format_of(texture: &Texture<'_>) -> wgpu::TextureFormat {
     match (&texture.level(0).pixels, texture.transfer) {
         _ if !texture.ranges.is_empty() => wgpu::TextureFormat::Rgba16Float,
-        (Pixels::U16(_), _) => wgpu::TextureFormat::Rgba16Float,
+        (Pixels::U16(_) | Pixels::F32(_), _) => wgpu::TextureFormat::Rgba16Float,
         (Pixels::U8(_), Transfer::Srgb) => wgpu::TextureFormat::Rgba8UnormSrgb,
         (Pixels::U8(_), Transfer::Linear) => wgpu::TextureFormat::Rgba8Unorm,
     }

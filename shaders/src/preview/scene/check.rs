@@ -54,6 +54,7 @@ fn is_whole(image: &Image) -> bool {
     let code_count = match &image.pixels {
         Pixels::U8(codes) => codes.len(),
         Pixels::U16(codes) => codes.len(),
+        Pixels::F32(of) => of.values.len(),
     };
     image.width > 0
         && image.height > 0

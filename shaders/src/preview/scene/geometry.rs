@@ -22,6 +22,8 @@ pub struct RecordLayout {
     pub uv_set_count: usize,
     /// The mesh coordinate, 4 floats: scaled and offset, or local, number of the block and class.
     pub mesh: Option<usize>,
+    /// Linear color with alpha, 4 floats.
+    pub color: Option<usize>,
 }
 
 pub const NORMAL_AT: usize = 3;
@@ -37,7 +39,8 @@ impl RecordLayout {
         let uv_set_count = surface.uv_sets.len();
         let uv = take(2 * uv_set_count);
         let mesh = surface.uses_mesh_coordinates().then(|| take(4));
-        Self { stride, tangent, uv, uv_set_count, mesh }
+        let color = surface.is_tinted.then(|| take(4));
+        Self { stride, tangent, uv, uv_set_count, mesh, color }
     }
 }
 
@@ -97,6 +100,7 @@ pub fn batch(input: BatchInput<'_>) -> Batch {
     let positions: Vec<DVec3> =
         input.primitive.positions.iter().map(|p| input.to_view.transform_point3(p.as_dvec3())).collect();
     let frames = Frames::new(&input, &layout, &triangles);
+    let colors = layout.color.and_then(|_| input.primitive.vertex_colors());
     let turn = Turn::new(input.to_view.matrix3);
     let order = if turn.mirrors { [0, 2, 1] } else { [0, 1, 2] };
     let mut records = Vec::new();
@@ -123,6 +127,10 @@ pub fn batch(input: BatchInput<'_>) -> Batch {
                     Anchor::Offset(offset) => offset.to_array(),
                     Anchor::Block { class, number } => [number as f32, class as f32],
                 });
+            }
+            if layout.color.is_some() {
+                let color = colors.as_ref().map_or(Vec4::ONE, |colors| colors[vertices[corner] as usize]);
+                records.extend_from_slice(&color.to_array());
             }
         }
     }

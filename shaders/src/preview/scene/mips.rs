@@ -2,7 +2,7 @@
 //! one texel. This is what the source column of the sheet shows.
 
 use glam::Vec4;
-use meshcolor::image::{Image, Pixels, Transfer};
+use meshcolor::image::{Image, Pixels, Transfer, Values};
 use meshcolor::math::transfer::linear_to_srgb;
 use rayon::prelude::*;
 
@@ -56,6 +56,13 @@ fn reduce(from: [u32; 2], to: [u32; 2], fetch: impl Fn(u32, u32) -> Vec4 + Sync)
 /// Back to the format of `like`.
 fn encode(values: &[Vec4], size: [u32; 2], like: &Image, transfer: Transfer) -> Image {
     let components = like.components as usize;
+    if let Pixels::F32(of) = &like.pixels {
+        let is_alpha = |c: usize| like.has_alpha() && c + 1 == components;
+        let stored = |value: &Vec4, c: usize| if is_alpha(c) { value.w } else { value[c] };
+        let values = values.iter().flat_map(|value| (0..components).map(move |c| stored(value, c))).collect();
+        let pixels = Pixels::F32(Values { values, ..*of });
+        return Image { width: size[0], height: size[1], components: like.components, pixels };
+    }
     let stored = |value: Vec4, component: usize| {
         let is_alpha = like.has_alpha() && component + 1 == components;
         let linear = if is_alpha { value.w } else { value[component] };
@@ -68,7 +75,7 @@ fn encode(values: &[Vec4], size: [u32; 2], like: &Image, transfer: Transfer) -> 
     let codes = values.par_iter().flat_map_iter(|value| (0..components).map(|c| stored(*value, c)));
     let pixels = match like.pixels {
         Pixels::U8(_) => Pixels::U8(codes.map(|code| code as u8).collect()),
-        Pixels::U16(_) => Pixels::U16(codes.map(|code| code as u16).collect()),
+        Pixels::U16(_) | Pixels::F32(_) => Pixels::U16(codes.map(|code| code as u16).collect()),
     };
     Image { width: size[0], height: size[1], components: like.components, pixels }
 }

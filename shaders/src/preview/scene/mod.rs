@@ -84,7 +84,10 @@ impl<'a> Scene<'a> {
         for mesh in &asset.meshes {
             for primitive in mesh.primitives.iter().filter(|primitive| !primitive.faces.is_empty()) {
                 let material = primitive.material;
-                source.entry((material, 0)).or_insert_with(|| Surface::new(&mut list, asset, None, material));
+                source.entry((material, 0)).or_insert_with(|| Surface {
+                    is_tinted: material.is_some_and(|own| finished.vertex_colors.contains(&own)),
+                    ..Surface::new(&mut list, asset, None, material)
+                });
             }
         }
         let mut converted_primitives: BTreeMap<_, Vec<_>> = BTreeMap::new();

@@ -61,6 +61,8 @@ pub struct Surface {
     pub occlusion_strength: f32,
     pub alpha_mode: AlphaMode,
     pub double_sided: bool,
+    /// Whether the vertex colors multiply the base color: those that went into the converted one, on the source's side.
+    pub is_tinted: bool,
 }
 
 impl Surface {
@@ -77,6 +79,7 @@ impl Surface {
             occlusion_strength: material.occlusion_strength,
             alpha_mode: material.alpha_mode,
             double_sided: material.double_sided,
+            is_tinted: false,
         }
     }
 

@@ -270,6 +270,7 @@ pub fn ball() -> Conversion {
             texture(Slot::Normal, Transfer::Linear, normal.collect()),
         ],
         primitives: vec![finished_primitive],
+        ..Finished::default()
     };
     Conversion { asset, finished, report: report(), files: vec![], focus: Some(focus()) }
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::finished::PrimitiveCuts;
+use crate::image::Pixels;
 
 /// The second triangle in a part of its own, with images of another size.
 fn in_parts(whole: &Finished) -> Finished {

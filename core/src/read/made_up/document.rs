@@ -1,4 +1,4 @@
-//! The glTF document that stands for an OBJ file: one node for each mesh, materials with their textures.
+//! The glTF document that stands for a file of another format: one node for each mesh, materials with their textures.
 //! Primitives have no accessors and images no bytes yet; whoever writes the file adds them.
 
 use serde_json::{Map, Value, json};
@@ -17,7 +17,7 @@ struct Textures {
     transformed: bool,
 }
 
-pub(super) fn make(
+pub fn make(
     meshes: &[Mesh],
     materials: &[Material],
     images: &[EncodedImage],

@@ -3,34 +3,9 @@
 
 use std::ffi::c_void;
 
-use ::meshopt::ffi;
+use meshopt::ffi;
 
-/// How the elements are packed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mode {
-    Attributes,
-    Triangles,
-    Indices,
-}
-
-/// What unpacked attributes go through.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Filter {
-    None,
-    Octahedral,
-    Quaternion,
-    Exponential,
-}
-
-/// What a file says of a packed view.
-#[derive(Clone, Copy, Debug)]
-pub struct Form {
-    pub mode: Mode,
-    pub filter: Filter,
-    pub count: usize,
-    /// Bytes of an element.
-    pub stride: usize,
-}
+use super::{Filter, Form, Mode};
 
 /// A view that the decoders can be given: its stride suits mode and filter, and it is not shorter than any packed
 /// view of as many elements.

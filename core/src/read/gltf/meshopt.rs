@@ -1,18 +1,14 @@
 //! `EXT_meshopt_compression`: buffer views that are packed become plain ones, each in a buffer of its own, before
 //! anything else looks at them. No trace of the extension is left in the document but in its lists.
 
-mod native;
-
 use serde_json::{Map, Value};
 
 use super::super::Context;
 use super::super::json::At;
 use super::super::text::quoted;
 use crate::error::Result;
+use crate::vertex_codec::{Checked, EXTENSION, Filter, Form, Mode};
 use crate::watch;
-use native::{Checked, Filter, Form, Mode};
-
-const EXTENSION: &str = "EXT_meshopt_compression";
 
 /// A view by its number, and its bytes.
 pub(super) type Unpacked = Vec<(usize, Vec<u8>)>;
@@ -86,26 +82,19 @@ fn packed<'b>(at: &At, buffers: &'b [Vec<u8>]) -> Result<&'b [u8]> {
 }
 
 fn form(at: &At) -> Result<Form> {
-    let mode = match at.string("mode")? {
-        Some("ATTRIBUTES") => Mode::Attributes,
-        Some("TRIANGLES") => Mode::Triangles,
-        Some("INDICES") => Mode::Indices,
-        other => {
-            let found = other.map_or_else(|| "missing".to_owned(), quoted);
-            return Err(at.error(format!("`mode` is {found}, not ATTRIBUTES, TRIANGLES or INDICES")));
-        }
-    };
-    let filter = match at.string("filter")? {
-        None | Some("NONE") => Filter::None,
-        Some("OCTAHEDRAL") => Filter::Octahedral,
-        Some("QUATERNION") => Filter::Quaternion,
-        Some("EXPONENTIAL") => Filter::Exponential,
-        Some(other) => {
-            let allowed = "NONE, OCTAHEDRAL, QUATERNION or EXPONENTIAL";
-            return Err(at.error(format!("`filter` is {}, not {allowed}", quoted(other))));
-        }
-    };
+    let mode = named(at, "mode", at.string("mode")?, &Mode::NAMED)?;
+    let filter = named(at, "filter", Some(at.string("filter")?.unwrap_or("NONE")), &Filter::NAMED)?;
     Ok(Form { mode, filter, count: at.need_size("count")?, stride: at.need_size("byteStride")? })
+}
+
+fn named<T: Copy>(at: &At, member: &str, name: Option<&str>, all: &[(&str, T)]) -> Result<T> {
+    let found = all.iter().find(|(own, _)| Some(*own) == name);
+    found.map(|(_, value)| *value).ok_or_else(|| {
+        let found = name.map_or_else(|| "missing".to_owned(), quoted);
+        let names: Vec<&str> = all.iter().map(|(own, _)| *own).collect();
+        let allowed = names.join(", ");
+        at.error(format!("`{member}` is {found}, not one of {allowed}"))
+    })
 }
 
 /// Puts the unpacked views into the document.

@@ -13,7 +13,7 @@ const TESTS_PER_CORNER: u64 = 1024;
 const TESTS_MAX: u64 = 1 << 28;
 
 /// Triangles of the polygon as corner numbers, `points.len() - 2` of them, turning as the polygon does.
-pub(super) struct Cut {
+pub struct Cut {
     pub triangles: Vec<[usize; 3]>,
     /// Whether every triangle was an ear. A polygon that crosses itself, has no area or takes too much
     /// work ends in a fan.
@@ -21,7 +21,7 @@ pub(super) struct Cut {
 }
 
 /// `points.len() >= 3`.
-pub(super) fn cut(points: &[DVec3]) -> Cut {
+pub fn cut(points: &[DVec3]) -> Cut {
     match flatten(points) {
         Some(flat) => Clipper::new(flat).run(),
         None => Cut { triangles: (2..points.len()).map(|i| [0, i - 1, i]).collect(), simple: false },

@@ -1,0 +1,4 @@
+//! A primitive in a Draco stream.
+#![no_main]
+
+meshcolor_fuzz::reads!();

@@ -1,0 +1,4 @@
+//! Quantized attributes in packed buffer views.
+#![no_main]
+
+meshcolor_fuzz::reads!();

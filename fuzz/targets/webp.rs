@@ -1,0 +1,4 @@
+//! A texture in WebP.
+#![no_main]
+
+meshcolor_fuzz::reads!();
