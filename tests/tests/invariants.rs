@@ -43,7 +43,8 @@ fn wild(seed: u64) -> (Patch, Image) {
 fn as_data(upload: &Upload) -> Asset {
     let mut asset = read(upload, &Limits::default(), &Unwatched).unwrap();
     let material = &mut asset.materials[0];
-    material.slots[Slot::Occlusion as usize] = material.slots[Slot::BaseColor as usize].take();
+    let texture = material.slots.remove(&Slot::BaseColor).unwrap();
+    material.slots.insert(Slot::Occlusion, texture);
     let json = &mut asset.document.json["materials"][0];
     let slot = json["pbrMetallicRoughness"].as_object_mut().unwrap().remove("baseColorTexture").unwrap();
     json["occlusionTexture"] = slot;

@@ -26,8 +26,8 @@ fn load(upload: &Upload) -> Asset {
 fn made_up(asset: &Asset) -> Finished {
     let mut finished = Finished::default();
     for (material, source) in asset.materials.iter().enumerate() {
-        for slot in Slot::ALL.into_iter().filter(|slot| source.slot(*slot).is_some()) {
-            let levels = LEVEL_SIZES.map(|(width, height)| gradient(width, height, slot as u8));
+        for (number, &slot) in (0u8..).zip(source.slots.keys()) {
+            let levels = LEVEL_SIZES.map(|(width, height)| gradient(width, height, number));
             let transfer = if slot.is_color() { Transfer::Srgb } else { Transfer::Linear };
             finished.textures.push(FinishedTexture {
                 materials: vec![material],
@@ -36,6 +36,7 @@ fn made_up(asset: &Asset) -> Finished {
                 transfer,
                 levels: levels.to_vec(),
                 ranges: BTreeMap::new(),
+                value_scale: None,
             });
         }
     }

@@ -8,6 +8,9 @@ pub const MESH_COLORS_EXTENSION: &str = "MCT_mesh_colors";
 /// The largest exponent of a face: a side of it has 4096 segments.
 pub const EXPONENT_MAX: u8 = 12;
 
+/// What a value of 1 may stand for in attributes of numbers of any size: 2^-100 to 2^100.
+pub const VALUE_SCALES: [f32; 2] = [f32::from_bits(27 << 23), f32::from_bits(227 << 23)];
+
 /// Samples on the faces of one material, over all meshes that show it.
 ///
 /// A *face of the model* is a triangle or a quad of a primitive that has this material, in the order of meshes, of their
@@ -29,7 +32,7 @@ pub struct MeshColors {
 /// One channel's samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshColorChannel {
-    /// In the order of [`Slot::ALL`]; at least one.
+    /// In order; at least one.
     pub slots: Vec<Slot>,
     /// What a sample has: 1 gray, 2 gray and alpha, 3 RGB or a normal, 4 RGB and alpha.
     pub components: u8,
@@ -39,6 +42,9 @@ pub struct MeshColorChannel {
     pub cuts: Vec<u8>,
     /// Components of all samples one after the other: linear light, data, or unit normals in the mesh's space.
     pub samples: Vec<f32>,
+    /// Of attributes whose numbers may be of any size: what a sample of 1 stands for, one of [`VALUE_SCALES`]; samples are then
+    /// within [-1, 1].
+    pub value_scale: Option<f32>,
     /// Of normals, by face and corner: the tangent, unit length, and the handedness (+1 or -1) of the frame that a texture is
     /// to store them in; zero where any will do. Empty where that is so everywhere.
     pub tangents: Vec<[[f32; 4]; 4]>,

@@ -1,11 +1,13 @@
 //! The asset: geometry and materials decoded, everything else kept as it came.
 
+use std::collections::BTreeMap;
+
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 use crate::error::Warning;
 use crate::image::{Image, Wrap};
 
-use super::MeshColors;
+use super::{MeshColors, Slot};
 
 /// A model, read and checked.
 ///
@@ -56,41 +58,6 @@ pub struct EncodedImage {
     pub bytes: Vec<u8>,
 }
 
-/// The five texture slots of core glTF 2.0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Slot {
-    BaseColor,
-    MetallicRoughness,
-    Normal,
-    Occlusion,
-    Emissive,
-}
-
-impl Slot {
-    pub const ALL: [Slot; 5] =
-        [Slot::BaseColor, Slot::MetallicRoughness, Slot::Normal, Slot::Occlusion, Slot::Emissive];
-
-    /// The property of a glTF material (or of its `pbrMetallicRoughness`) that holds this slot.
-    pub fn gltf_name(self) -> &'static str {
-        match self {
-            Slot::BaseColor => "baseColorTexture",
-            Slot::MetallicRoughness => "metallicRoughnessTexture",
-            Slot::Normal => "normalTexture",
-            Slot::Occlusion => "occlusionTexture",
-            Slot::Emissive => "emissiveTexture",
-        }
-    }
-
-    /// Whether the slot's texture is sRGB-encoded color.
-    pub fn is_color(self) -> bool {
-        matches!(self, Slot::BaseColor | Slot::Emissive)
-    }
-
-    pub fn in_pbr(self) -> bool {
-        matches!(self, Slot::BaseColor | Slot::MetallicRoughness)
-    }
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum AlphaMode {
     #[default]
@@ -100,12 +67,11 @@ pub enum AlphaMode {
     Blend,
 }
 
-/// A material. A slot is `Some` where the source has a texture with an image there.
+/// A material. It has those slots where the source has a texture with an image, and attributes that were asked for.
 #[derive(Clone, Debug, Default)]
 pub struct Material {
     pub name: String,
-    /// Indexed by `Slot as usize`.
-    pub slots: [Option<TextureRef>; 5],
+    pub slots: BTreeMap<Slot, TextureRef>,
     /// Linear.
     pub base_color_factor: Vec4,
     pub metallic_factor: f32,
@@ -116,13 +82,13 @@ pub struct Material {
     pub occlusion_strength: f32,
     pub alpha_mode: AlphaMode,
     pub double_sided: bool,
-    /// Instead of textures in the slots of its channels, which are `None` then.
+    /// Instead of textures in the slots of its channels.
     pub mesh_colors: Option<MeshColors>,
 }
 
 impl Material {
     pub fn slot(&self, slot: Slot) -> Option<&TextureRef> {
-        self.slots[slot as usize].as_ref()
+        self.slots.get(&slot)
     }
 }
 

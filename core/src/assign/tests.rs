@@ -80,7 +80,7 @@ fn in_range(
         if need_of_range(channel, &values, range, &Unwatched).unwrap() == Need::Plain {
             return None;
         }
-        let range = range_of(channel, &values, range, &Unwatched).unwrap();
+        let range = range_of(channel, &values, (range, false), &Unwatched).unwrap();
         let storing = Storing { rounding: Rounding::Rules, range: Some(range) };
         let image = paint(channel, &values, storing, &Unwatched).unwrap();
         let changes = read_back(channel, &values, &image, &range);
@@ -346,7 +346,7 @@ fn normals_in_a_range_are_changed_by_its_rounding_alone() {
     on_level(&case, 1, (codec, Some(&frames)), |channel, fan_count| {
         let samples: Vec<Vec4> = (0..channel.numbering.sample_count()).map(lean).collect();
         let values = LevelValues::new(samples, fan_count);
-        let range = range_of(channel, &values, Range::Scaled16, &Unwatched).unwrap();
+        let range = range_of(channel, &values, (Range::Scaled16, false), &Unwatched).unwrap();
         let storing = Storing { rounding: Rounding::Rules, range: Some(range) };
         let image = paint(channel, &values, storing, &Unwatched).unwrap();
         let changes = read_back(channel, &values, &image, &range);

@@ -86,7 +86,8 @@ fn differences(
         }
         let is_color = channel.slots.iter().any(|slot| slot.is_color());
         let code = |value: Vec4| {
-            let value = value.clamp(Vec4::ZERO, Vec4::ONE);
+            let value =
+                if channel.value_scale.is_none() { value.clamp(Vec4::ZERO, Vec4::ONE) } else { value };
             if is_color { value.xyz().map(linear_to_srgb).extend(value.w) } else { value }
         };
         f64::from((code(shown) - code(found)).abs().max_element()) * 255.0

@@ -25,6 +25,8 @@ pub struct PaintedChannel {
     pub slots: Vec<Slot>,
     pub components: u8,
     pub bits: u8,
+    /// Of numbers of any size: what 1 stands for.
+    pub value_scale: Option<f32>,
     /// By face and corner; may be empty.
     pub tangents: Vec<[[f32; 4]; 4]>,
     pub cuts: Cuts,
@@ -37,7 +39,7 @@ impl Painting {
     /// # Errors
     /// `InvalidModel` where the mesh colors do not fit their faces.
     pub fn of(asset: &Asset, material: usize, colors: &MeshColors) -> Result<Self> {
-        let has_textures = asset.materials[material].slots.iter().any(Option::is_some);
+        let has_textures = !asset.materials[material].slots.is_empty();
         let restored = restore(canvas_of(asset, material), colors, has_textures)
             .map_err(|error| error.at(format!("/materials/{material}")))?;
         let resolutions = restored.painted.resolutions;
@@ -45,6 +47,7 @@ impl Painting {
             slots: channel.slots.clone(),
             components: channel.components,
             bits: channel.bits,
+            value_scale: channel.value_scale,
             tangents: channel.tangents.clone(),
             topology: ChannelTopology::new(&restored.canvas, &resolutions, &cuts),
             cuts,
@@ -81,6 +84,7 @@ impl PaintedChannel {
             slots: self.slots.clone(),
             components: self.components,
             bits: self.bits,
+            value_scale: self.value_scale,
             cuts,
             samples: packed(values, self.components),
             tangents,

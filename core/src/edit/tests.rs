@@ -54,6 +54,7 @@ fn painted_box(seed: u64) -> Asset {
             bits: 8,
             cuts: crate::pipeline::painted::cut_bits(&canvas, cuts),
             samples,
+            value_scale: None,
             tangents: Vec::new(),
         }
     };

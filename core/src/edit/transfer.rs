@@ -1,5 +1,7 @@
 //! What one mesh shows, on another.
 
+use std::collections::BTreeMap;
+
 use glam::Vec4;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -149,16 +151,16 @@ fn with_material(target: &Asset, source: &Asset, material: usize) -> (Asset, usi
     let mut asset = target.clone();
     let number = asset.materials.len();
     let old = &source.materials[material];
-    asset.materials.push(Material { slots: [None; 5], mesh_colors: None, ..old.clone() });
+    asset.materials.push(Material { slots: BTreeMap::new(), mesh_colors: None, ..old.clone() });
     let mut own = source.document.json["materials"][material].clone();
     if let Some(own) = own.as_object_mut() {
-        for slot in Slot::ALL {
+        for slot in Slot::CORE {
             own.remove(slot.gltf_name());
         }
         // They have textures of their own, which stay behind.
         own.remove("extensions");
         if let Some(pbr) = own.get_mut("pbrMetallicRoughness").and_then(Value::as_object_mut) {
-            for slot in Slot::ALL {
+            for slot in Slot::CORE {
                 pbr.remove(slot.gltf_name());
             }
         }

@@ -19,7 +19,7 @@ use parts::PartOf;
 use super::{Coordinates, Finished, FinishedPrimitive, FinishedTexture, Frame};
 
 /// The glTF extension that a converted file uses (never requires).
-pub const EXTENSION: &str = "MCT_mesh_color_texture";
+pub use crate::asset::TEXTURE_EXTENSION as EXTENSION;
 /// Vertex attribute of indexed coordinates: number of the block, and its class.
 pub const BLOCK_ATTRIBUTE: &str = "_MCT_BLOCK";
 /// Vertex attribute of indexed coordinates: place in the block, in faces.

@@ -115,8 +115,10 @@ pub fn sheet() -> (Asset, Finished) {
         }
     }
     let mut material = Material { name: "Sheet".to_owned(), normal_scale: 1.0, ..Material::default() };
-    material.slots[Slot::Occlusion as usize] =
-        Some(TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() });
+    material.slots.insert(
+        Slot::Occlusion,
+        TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() },
+    );
     let texture = FinishedTexture {
         materials: vec![0],
         part: 0,
@@ -124,6 +126,7 @@ pub fn sheet() -> (Asset, Finished) {
         transfer: Transfer::Linear,
         levels: (0..LEVEL_COUNT).map(level_image).collect(),
         ranges: BTreeMap::new(),
+        value_scale: None,
     };
     let piece = FinishedPrimitive {
         mesh: 0,

@@ -44,8 +44,10 @@ pub struct FinishedTexture {
     pub transfer: Transfer,
     /// Level 0 first. All textures of one material and part have the same sizes, level by level.
     pub levels: Vec<Image>,
-    /// Levels that hold other values than codes of [0, 1]: images of 16 bits, never level 0.
+    /// Levels that hold other values than codes of [0, 1]: images of 16 bits; level 0 of attributes alone.
     pub ranges: BTreeMap<usize, LevelRange>,
+    /// Of attributes that hold numbers of any size: what a value of 1 stands for, above 0. Every level has a range then.
+    pub value_scale: Option<f32>,
 }
 
 impl FinishedTexture {

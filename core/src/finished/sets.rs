@@ -94,6 +94,8 @@ struct Kind<'a> {
     /// Of level 0.
     components: Option<u8>,
     is_deep: bool,
+    /// The bits of its scale.
+    value_scale: Option<u32>,
 }
 
 impl<'a> Kind<'a> {
@@ -104,6 +106,7 @@ impl<'a> Kind<'a> {
             level_count: texture.levels.len(),
             components: finest.map(|image| image.components),
             is_deep: finest.is_some_and(|image| matches!(image.pixels, Pixels::U16(_))),
+            value_scale: texture.value_scale.map(f32::to_bits),
         }
     }
 }
@@ -126,6 +129,6 @@ fn check_sizes<'a>(
     }
 }
 
-fn name(texture: &FinishedTexture) -> &'static str {
+fn name(texture: &FinishedTexture) -> &str {
     texture.slots.first().map_or("a texture without slots", |slot| slot.gltf_name())
 }

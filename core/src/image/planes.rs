@@ -32,6 +32,8 @@ pub struct Values {
     pub bits: u8,
     /// How many texels stand here along the side of a painted one; at least 1.
     pub texels_per_painted: u8,
+    /// Where the numbers may be of any size: what 1 stands for here, a power of two. Otherwise they are codes' of [0, 1].
+    pub scale: Option<f32>,
 }
 
 /// Guarantees: `width, height >= 1`, `components` in 1..=4 (gray, gray + alpha, RGB, RGBA),
@@ -72,6 +74,14 @@ impl Image {
         match &self.pixels {
             Pixels::U8(_) | Pixels::U16(_) => 1,
             Pixels::F32(values) => values.texels_per_painted,
+        }
+    }
+
+    /// What a value of 1 stands for where values are numbers of any size: those of [-1, 1] times this.
+    pub fn value_scale(&self) -> Option<f32> {
+        match &self.pixels {
+            Pixels::U8(_) | Pixels::U16(_) => None,
+            Pixels::F32(values) => values.scale,
         }
     }
 

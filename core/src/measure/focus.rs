@@ -7,6 +7,7 @@ use super::edges::EdgePair;
 use super::origin::SourceSeams;
 use super::report::Unit;
 use super::surface::Surface;
+use crate::asset::Slot;
 
 /// Levels whose jumps count: near enough that a viewer shows them, far enough that they have come apart.
 const LEVELS: std::ops::RangeInclusive<usize> = 2..=5;
@@ -34,11 +35,31 @@ pub struct Focus {
     pub source_jumps_codes: [f32; 8],
 }
 
+/// What a channel is to a viewer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    Attribute,
+    Other,
+    BaseColor,
+}
+
+impl Kind {
+    pub fn of(slots: &[Slot]) -> Self {
+        if slots.contains(&Slot::BaseColor) {
+            Self::BaseColor
+        } else if slots.iter().all(Slot::is_attribute) {
+            Self::Attribute
+        } else {
+            Self::Other
+        }
+    }
+}
+
 /// A channel's best edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Candidate {
     pub focus: Focus,
-    is_base_color: bool,
+    kind: Kind,
     /// Whether the edge is long enough to see.
     is_long: bool,
     /// Mean jump over [`LEVELS`], codes.
@@ -48,17 +69,19 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Base color before others where it shows anything; then long edges; then the score.
-    fn rank(&self) -> (bool, bool, f32) {
+    /// What a viewer shows before what it does not, base color before others where there is anything to see; then long edges; then
+    /// the score.
+    fn rank(&self) -> (Kind, bool, f32) {
         let is_visible = self.jump_codes >= VISIBLE_CODES;
-        (is_visible && self.is_base_color, is_visible && self.is_long, self.score)
+        let kind = if is_visible { self.kind } else { self.kind.min(Kind::Other) };
+        (kind, is_visible && self.is_long, self.score)
     }
 
     /// The better of two, the first where they are equal.
     pub fn better(first: Option<Self>, second: Option<Self>) -> Option<Self> {
         let (Some(a), Some(b)) = (first, second) else { return first.or(second) };
-        let ((base_a, long_a, score_a), (base_b, long_b, score_b)) = (a.rank(), b.rank());
-        let order = (base_a, long_a).cmp(&(base_b, long_b)).then(score_a.total_cmp(&score_b));
+        let ((kind_a, long_a, score_a), (kind_b, long_b, score_b)) = (a.rank(), b.rank());
+        let order = (kind_a, long_a).cmp(&(kind_b, long_b)).then(score_a.total_cmp(&score_b));
         if order.is_lt() { second } else { first }
     }
 }
@@ -70,7 +93,7 @@ pub fn candidate(
     seams: &SourceSeams,
     cut_flags: &[bool],
     texture: &impl Fn(usize) -> usize,
-    (unit, is_base_color): (Unit, bool),
+    (unit, kind): (Unit, Kind),
 ) -> Option<Candidate> {
     if unit != Unit::Codes || seams.levels.is_empty() {
         return None;
@@ -87,7 +110,7 @@ pub fn candidate(
         let jump_codes = jumps[LEVELS].iter().sum::<f32>() / LEVELS.count() as f32;
         let found = Candidate {
             focus: place(surface, pair, texture(pair.a.part as usize), jumps),
-            is_base_color,
+            kind,
             is_long: pair.length >= SHORTEST_SHARE * diagonals[pair.a.part as usize],
             jump_codes,
             score: jump_codes * pair.length.sqrt(),

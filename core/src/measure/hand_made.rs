@@ -19,8 +19,10 @@ pub const EXPONENT: usize = 2;
 /// (1, 0) to (0, 1). Each has a chart of its own: the left and the right half of the image.
 pub fn square(slot: Slot, image: Image) -> Asset {
     let mut material = Material { name: "Painted".to_owned(), normal_scale: 1.0, ..Material::default() };
-    material.slots[slot as usize] =
-        Some(TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() });
+    material.slots.insert(
+        slot,
+        TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() },
+    );
     let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
     let uvs = [(0.1, 0.2), (0.4, 0.2), (0.1, 0.8), (0.9, 0.2), (0.6, 0.8), (0.9, 0.8)];
     let primitive = Primitive {
@@ -75,6 +77,7 @@ pub fn finished_by_triangle(slot: Slot, value: impl Fn(usize, Vec3) -> [u8; 3]) 
             transfer,
             levels,
             ranges: BTreeMap::new(),
+            value_scale: None,
         }],
         primitives: vec![FinishedPrimitive {
             mesh: 0,

@@ -211,7 +211,7 @@ pub struct SeamLevel {
 }
 
 fn shows_alpha(material: &Material, slot: Slot) -> bool {
-    slot == Slot::BaseColor && material.alpha_mode != AlphaMode::Opaque
+    slot.is_attribute() || slot == Slot::BaseColor && material.alpha_mode != AlphaMode::Opaque
 }
 
 fn shown_components(material: &Material, slot: Slot, image: &Image) -> u8 {

@@ -87,6 +87,9 @@ pub struct ChannelReport {
     pub components: u32,
     /// Bits of one stored code.
     pub bits: u32,
+    /// Of attributes whose numbers may be of any size: what 255 codes of this report stand for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value_scale: Option<f32>,
     /// Which edges were joined, by share of seam length (edges where the source's charts meet).
     pub cuts: CutShare,
     pub levels: Vec<LevelReport>,

@@ -1,6 +1,8 @@
 //! The three things that can be measured: a conversion beside its source, a converted file on its own,
 //! and a plain model by its mip maps.
 
+use std::collections::BTreeMap;
+
 use super::fidelity::{self, fidelity};
 use super::figures::weighted_mean;
 use super::focus::{self, Candidate, Focus};
@@ -14,7 +16,7 @@ use super::sets::Channel;
 use super::surface::Surface;
 use super::yardstick::Extent;
 use super::{layout, mips, points, surface};
-use crate::asset::{Asset, Slot};
+use crate::asset::{Asset, Slot, TextureRef};
 use crate::error::{Error, Result};
 use crate::finished::Finished;
 use crate::image::Image;
@@ -164,6 +166,7 @@ impl Subject<'_> {
         let cut_flags = surface.cut_flags(&own.numbers);
         let mut channel = described(self.asset, surface.material, own.slots(), finest);
         channel.unit = converted.meaning.unit();
+        channel.value_scale = own.textures.first().and_then(|texture| texture.value_scale);
         let seam = source.as_ref().map_or(&[][..], |source| &source.seam);
         channel.cuts = seams::cut_share(surface, seam, &cut_flags);
         self.watch.step(Some("seams"));
@@ -183,7 +186,7 @@ impl Subject<'_> {
             (channel.solver, channel.stored) = (done.solver.clone(), done.stored.clone());
         }
         let candidate = source.as_ref().and_then(|source| {
-            let kind = (channel.unit, own.slots().contains(&Slot::BaseColor));
+            let kind = (channel.unit, focus::Kind::of(own.slots()));
             let texture = |part: usize| own.numbers[converted.texture_of(part)];
             focus::candidate(surface, source, &cut_flags, &texture, kind)
         });
@@ -260,13 +263,12 @@ pub fn source(asset: &Asset, watch: &dyn Watch) -> Result<Measured> {
 }
 
 /// The slots of a material that read the same thing, together; each group under its first slot.
-fn distinct_slots(slots: &[Option<crate::asset::TextureRef>; 5]) -> Vec<(Slot, Vec<Slot>)> {
+fn distinct_slots(slots: &BTreeMap<Slot, TextureRef>) -> Vec<(Slot, Vec<Slot>)> {
     let mut groups: Vec<(Slot, Vec<Slot>)> = Vec::new();
     let kind = |slot: Slot| (slot.is_color(), slot == Slot::Normal);
-    for slot in Slot::ALL {
-        let Some(texture) = slots[slot as usize] else { continue };
+    for (&slot, texture) in slots {
         let same = |(first, _): &&mut (Slot, Vec<Slot>)| {
-            slots[*first as usize] == Some(texture) && kind(*first) == kind(slot)
+            slots.get(first) == Some(texture) && kind(*first) == kind(slot)
         };
         match groups.iter_mut().find(same) {
             Some((_, group)) => group.push(slot),
@@ -284,6 +286,7 @@ fn described(asset: &Asset, material: usize, slots: &[Slot], image: &Image) -> C
         unit: Unit::Codes,
         components: u32::from(image.components),
         bits: image.bits().into(),
+        value_scale: image.value_scale(),
         cuts: CutShare::default(),
         levels: Vec::new(),
         fidelity: None,

@@ -104,6 +104,7 @@ mod tests {
             mip_error: None,
         };
         ChannelReport {
+            value_scale: None,
             material: 2,
             material_name: "Brass".to_owned(),
             slots: vec!["baseColorTexture".to_owned()],

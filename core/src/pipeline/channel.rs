@@ -165,7 +165,10 @@ fn finish_level(
         frames: input.frames,
     };
     let mut wanted = LevelValues::new(wanted, numbering.topology.fan_count());
-    let need = need_of_range(&level_channel, &wanted, input.range, watch)?;
+    let need = match input.form.value_scale {
+        Some(_) => Need::Ranged { is_too_wide: false },
+        None => need_of_range(&level_channel, &wanted, input.range, watch)?,
+    };
     if need != (Need::Ranged { is_too_wide: false }) {
         let width = if need == Need::Plain { 1.0 } else { f64::from(RANGE_WIDTH) };
         let task = Task { solver: input.solver, width };
@@ -176,7 +179,10 @@ fn finish_level(
     }
     let range = match need {
         Need::Plain => None,
-        Need::Ranged { .. } => Some(range_of(&level_channel, &wanted, input.range, watch)?),
+        Need::Ranged { .. } => {
+            let kind = (input.range, input.form.value_scale.is_some());
+            Some(range_of(&level_channel, &wanted, kind, watch)?)
+        }
     };
     let storing = Storing { rounding: input.rounding, range };
     let image = paint(&level_channel, &wanted, storing, watch)?;

@@ -10,6 +10,7 @@ use crate::image::{Image, LevelRange};
 use crate::layout::Coordinates;
 use crate::pack::{Channel, PackOptions, Packed, Painted, pack};
 
+use super::form::ChannelForm;
 use super::material::MaterialConversion;
 use super::options::Options;
 use super::prepare::Prepared;
@@ -25,13 +26,14 @@ pub struct Group {
 }
 
 /// What the channels of two materials have to have in common: of each its slots and how it is stored.
-type Kind = Vec<(Vec<Slot>, Codec)>;
+type Kind = Vec<(Vec<Slot>, Codec, Option<f32>)>;
 
 /// Which materials have one set of textures, ascending: each alone, or, merged, all whose channels are of the same kinds.
 pub fn sets(materials: &[Prepared<'_>], merges: bool) -> Vec<Vec<usize>> {
     let mut sets: Vec<(Kind, Vec<usize>)> = Vec::new();
     for (number, material) in materials.iter().enumerate() {
-        let kind = material.channels.iter().map(|form| (form.slots.clone(), form.codec)).collect();
+        let of_form = |form: &ChannelForm| (form.slots.clone(), form.codec, form.value_scale);
+        let kind = material.channels.iter().map(of_form).collect();
         match sets.iter_mut().find(|(known, _)| merges && *known == kind) {
             Some((_, set)) => set.push(number),
             None => sets.push((kind, vec![number])),
@@ -91,6 +93,7 @@ impl Group {
                     transfer: channel.form.codec.transfer,
                     levels,
                     ranges: ranges.clone(),
+                    value_scale: channel.form.value_scale,
                 });
             }
         }
@@ -124,8 +127,9 @@ impl Group {
         };
         let channels: Vec<Channel<'_>> =
             layouts.zip(&taken).map(|(layout, (levels, _))| Channel { layout, levels }).collect();
-        // With indexed coordinates no level needs a range.
-        ((0..self.part_count).map(|part| packed.images(part, &channels)).collect(), BTreeMap::new())
+        let parts = (0..self.part_count).map(|part| packed.images(part, &channels)).collect();
+        // With indexed coordinates nothing but numbers of any size is in ranges, and of these in the same.
+        (parts, taken[0].1.clone())
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod arrange;
 mod assemble;
+mod attributes;
 mod bare_normals;
 mod changes;
 mod channel;
@@ -36,7 +37,7 @@ use crate::asset::Asset;
 use crate::error::{Error, ErrorCode, Result};
 use crate::finished::{self, Finished};
 use crate::measure::{self, Report, SubjectKind};
-use crate::read::{Limits, Upload, read};
+use crate::read::{Limits, Upload, read, read_with};
 use crate::source::channels;
 use crate::watch::{self, Stage, Watch};
 use crate::write::{self, BundleFile};
@@ -76,7 +77,7 @@ pub struct Conversion {
 /// `Canceled`.
 pub fn convert(upload: &Upload, options: &Options, limits: &Limits, watch: &dyn Watch) -> Result<Conversion> {
     watch.stage(Stage::Read);
-    let asset = read(upload, limits, watch)?;
+    let asset = read_with(upload, &options.channels, limits, watch)?;
     convert_asset(asset, options, limits, watch)
 }
 
@@ -108,6 +109,7 @@ pub struct Product {
 /// As [`convert_asset`].
 pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &dyn Watch) -> Result<Product> {
     options.check()?;
+    attributes::check(asset, options)?;
     let mut progress = Progress::new(watch);
     progress.part(1.0);
     progress.advance(READ_SHARE);

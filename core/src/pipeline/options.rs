@@ -1,6 +1,7 @@
 //! The options of a conversion, each defined once: flags, HTTP fields, OpenAPI and the docs come from
 //! [`OPTIONS`].
 
+mod channels;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -14,6 +15,7 @@ use crate::assign::{Range, Rounding};
 use crate::error::{Error, ErrorCode, Result};
 use crate::layout::{Coordinates, Packing};
 use crate::mip::{Beyond, MipFilter};
+use crate::read::AttributeSource;
 use crate::resample::{Resolution, Sampling};
 use crate::solve::Solver;
 use crate::write::GeometryFormat;
@@ -64,6 +66,8 @@ pub struct Options {
     pub geometry: GeometryFormat,
     /// Whether vertex colors become base color.
     pub vertex_colors: VertexColors,
+    /// Images that become channels of their own.
+    pub channels: Vec<AttributeSource>,
 }
 
 impl Default for Options {
@@ -105,6 +109,7 @@ impl Options {
             mesh_colors: false,
             geometry: GeometryFormat::Plain,
             vertex_colors: VertexColors::Auto,
+            channels: Vec::new(),
         };
         match quality {
             Quality::Draft => {
@@ -130,6 +135,7 @@ impl Options {
             mesh_colors,
             geometry,
             vertex_colors,
+            channels,
             ..
         } = self.clone();
         *self = Self {
@@ -144,6 +150,7 @@ impl Options {
             mesh_colors,
             geometry,
             vertex_colors,
+            channels,
             ..Self::of(quality)
         };
     }
@@ -185,6 +192,7 @@ impl Options {
             "mesh-colors" => self.mesh_colors = named(SWITCH, value).ok_or_else(refuse)?,
             "geometry" => self.geometry = named(GEOMETRIES, value).ok_or_else(refuse)?,
             "vertex-colors" => self.vertex_colors = named(VERTEX_COLORS, value).ok_or_else(refuse)?,
+            "channel" => self.channels = channels::parse(value)?,
             "compress" => {
                 self.compress = parse_list(BLOCKS, value).filter(is_one_way).ok_or_else(refuse)?;
             }
@@ -267,6 +275,7 @@ impl Options {
             self.mesh_colors.into(),
             name_of(GEOMETRIES, self.geometry).into(),
             name_of(VERTEX_COLORS, self.vertex_colors).into(),
+            channels::text(&self.channels).into(),
         ];
         OPTIONS.iter().map(|spec| spec.name.to_owned()).zip(values).collect()
     }

@@ -73,7 +73,7 @@ pub fn checked(asset: &Asset) -> Result<Vec<MeshColorsReport>> {
     let mut reports = Vec::new();
     for (material, properties) in asset.materials.iter().enumerate() {
         let Some(colors) = &properties.mesh_colors else { continue };
-        let has_textures = properties.slots.iter().any(Option::is_some);
+        let has_textures = !properties.slots.is_empty();
         let restored = restore(canvas_of(asset, material), colors, has_textures)
             .map_err(|error| error.at(format!("/materials/{material}")))?;
         let of_channel = |(channel, cuts): (&MeshColorChannel, &Cuts)| MeshColorsReport {
@@ -176,10 +176,10 @@ impl Painted<'_> {
     /// The samples of a channel by their numbers, color and data within [0, 1].
     pub fn samples(&self, channel: usize) -> Vec<Vec4> {
         let channel = &self.colors.channels[channel];
-        let is_normal = channel.slots.contains(&Slot::Normal);
-        let in_range = |value: Vec4| match is_normal {
-            true => value,
-            false => value.clamp(Vec4::ZERO, Vec4::ONE),
+        let is_bounded = !channel.slots.contains(&Slot::Normal) && channel.value_scale.is_none();
+        let in_range = |value: Vec4| match is_bounded {
+            true => value.clamp(Vec4::ZERO, Vec4::ONE),
+            false => value,
         };
         unpacked(channel).map(in_range).collect()
     }
@@ -249,6 +249,7 @@ fn mesh_colors(asset: &Asset, conversion: &mut MaterialConversion) -> MeshColors
             bits: channel.form.codec.bits,
             cuts: cut_bits(canvas, &channel.cuts),
             samples: std::mem::take(&mut channel.finest_samples),
+            value_scale: channel.form.value_scale,
             tangents: if is_given { given_frames.iter().map(tangent).collect() } else { Vec::new() },
         }
     });

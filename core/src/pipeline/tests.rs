@@ -66,8 +66,10 @@ pub(super) fn noise_asset(seed: u64, side: usize, slot: Slot) -> Asset {
         occlusion_strength: 1.0,
         ..Material::default()
     };
-    material.slots[slot as usize] =
-        Some(TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() });
+    material.slots.insert(
+        slot,
+        TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() },
+    );
     Asset {
         images: vec![image],
         materials: vec![material],

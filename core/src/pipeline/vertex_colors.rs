@@ -98,7 +98,8 @@ fn primitives(asset: &Asset, material: usize) -> impl Iterator<Item = (String, &
 /// Whether a material shows any texture, those of extensions too.
 fn has_texture(asset: &Asset, material: usize) -> bool {
     let json = asset.document.json.get("materials").and_then(|materials| materials.get(material));
-    asset.materials[material].slots.iter().any(Option::is_some) || json.is_some_and(shows_textures)
+    asset.materials[material].slots.keys().any(|slot| !slot.is_attribute())
+        || json.is_some_and(shows_textures)
 }
 
 fn is_colored(primitive: &Primitive) -> bool {

@@ -109,23 +109,29 @@ pub(super) fn media_type_of(bytes: &[u8]) -> Option<&'static str> {
 
 fn checked_header(bytes: &[u8], limits: &Limits, pointer: &str) -> Result<Header> {
     let header = image_header::read(bytes).map_err(|error| error.at(pointer))?;
+    check_size([header.width, header.height], limits, pointer)?;
+    Ok(header)
+}
+
+/// Of an image that nothing was allocated for yet.
+pub(super) fn check_size([width, height]: [u32; 2], limits: &Limits, pointer: &str) -> Result<()> {
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels == 0 {
+        return Err(Error::invalid("the image has a side of 0 pixels").at(pointer));
+    }
     let too_large = |name: &str, limit: u64, actual: u64| {
-        let detail = format!(
-            "the image is {}x{} ({} pixels); the limit is {limit} (limit `{name}`)",
-            header.width,
-            header.height,
-            header.pixels()
-        );
+        let detail =
+            format!("the image is {width}x{height} ({pixels} pixels); the limit is {limit} (limit `{name}`)");
         Err(Error::new(ErrorCode::ImageTooLarge, detail).at(pointer).limit(limit, actual))
     };
-    let side = header.width.max(header.height);
+    let side = width.max(height);
     if side > limits.image_side {
         return too_large("image_side", limits.image_side.into(), side.into());
     }
-    if header.pixels() > limits.image_pixels {
-        return too_large("image_pixels", limits.image_pixels, header.pixels());
+    if pixels > limits.image_pixels {
+        return too_large("image_pixels", limits.image_pixels, pixels);
     }
-    Ok(header)
+    Ok(())
 }
 
 /// Decodes a file whose header was checked.

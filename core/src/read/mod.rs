@@ -3,6 +3,7 @@
 //! Every URI is resolved here, inside the upload alone; sizes are checked before anything is allocated.
 
 mod archive;
+mod attributes;
 mod basis;
 mod budget;
 mod container;
@@ -16,6 +17,7 @@ mod json;
 mod limits;
 mod made_up;
 mod obj;
+mod openexr;
 mod ply;
 mod ptex;
 mod resources;
@@ -28,6 +30,8 @@ mod webp_header;
 #[cfg(test)]
 mod tests;
 
+pub use attributes::AttributeSource;
+pub use gltf::TEXCOORD_SETS_MAX;
 pub use limits::Limits;
 pub use upload::{Files, MemoryFiles, Upload};
 
@@ -53,6 +57,19 @@ struct Context<'a> {
 /// # Errors
 /// Every code of [`crate::ErrorCode`] that is about the input, with the place (`pointer`) and the rule.
 pub fn read(upload: &Upload, limits: &Limits, watch: &dyn Watch) -> Result<Asset> {
+    read_with(upload, &[], limits, watch)
+}
+
+/// Reads the upload's main file, and images of it as attributes of its materials.
+///
+/// # Errors
+/// As [`read`]; `InvalidOptions` where an attribute finds no material, or faces without coordinates.
+pub fn read_with(
+    upload: &Upload,
+    attributes: &[AttributeSource],
+    limits: &Limits,
+    watch: &dyn Watch,
+) -> Result<Asset> {
     watch.stage(Stage::Read);
     watch::check(watch)?;
     let bytes = main_file(upload)?;
@@ -63,10 +80,12 @@ pub fn read(upload: &Upload, limits: &Limits, watch: &dyn Watch) -> Result<Asset
             let bytes = main_file(&inner)?;
             match container::detect(&bytes)? {
                 Container::Zip => Err(Error::invalid("the archive's model is itself an archive")),
-                container => read_model(container, &bytes, &inner, limits, watch),
+                container => {
+                    Model { container, bytes: &bytes, upload: &inner, attributes }.read(limits, watch)
+                }
             }
         }
-        container => read_model(container, &bytes, upload, limits, watch),
+        container => Model { container, bytes: &bytes, upload, attributes }.read(limits, watch),
     }
 }
 
@@ -77,29 +96,35 @@ fn main_file(upload: &Upload) -> Result<Vec<u8>> {
     })
 }
 
-fn read_model(
+/// A main file with what may be read beside it.
+struct Model<'a> {
     container: Container,
-    bytes: &[u8],
-    upload: &Upload,
-    limits: &Limits,
-    watch: &dyn Watch,
-) -> Result<Asset> {
-    let mut context = Context {
-        resources: Resources::new(upload.files.as_ref(), &upload.main),
-        budget: Budget::new(limits),
-        warnings: Warnings::default(),
-        watch,
-    };
-    let mut asset = match container {
-        Container::Glb => {
-            let glb = glb::split(bytes)?;
-            gltf::read(json::parse(glb.json, limits)?, glb.bin, &mut context)?
-        }
-        Container::GltfJson => gltf::read(json::parse(bytes, limits)?, None, &mut context)?,
-        Container::Obj => obj::read(bytes, &upload.main, &mut context)?,
-        Container::Ply => ply::read(bytes, &upload.main, &mut context)?,
-        Container::Zip => return Err(Error::internal("an archive reached the model readers")),
-    };
-    asset.warnings = context.warnings.into_list();
-    Ok(asset)
+    bytes: &'a [u8],
+    upload: &'a Upload,
+    attributes: &'a [AttributeSource],
+}
+
+impl Model<'_> {
+    fn read(&self, limits: &Limits, watch: &dyn Watch) -> Result<Asset> {
+        let Self { container, bytes, upload, attributes } = *self;
+        let mut context = Context {
+            resources: Resources::new(upload.files.as_ref(), &upload.main),
+            budget: Budget::new(limits),
+            warnings: Warnings::default(),
+            watch,
+        };
+        let mut asset = match container {
+            Container::Glb => {
+                let glb = glb::split(bytes)?;
+                gltf::read(json::parse(glb.json, limits)?, glb.bin, &mut context)?
+            }
+            Container::GltfJson => gltf::read(json::parse(bytes, limits)?, None, &mut context)?,
+            Container::Obj => obj::read(bytes, &upload.main, &mut context)?,
+            Container::Ply => ply::read(bytes, &upload.main, &mut context)?,
+            Container::Zip => return Err(Error::internal("an archive reached the model readers")),
+        };
+        attributes::add(&mut asset, attributes, &mut context)?;
+        asset.warnings = context.warnings.into_list();
+        Ok(asset)
+    }
 }

@@ -68,8 +68,10 @@ pub fn fit(
     let mut solver = Solver::new(&mass, values, wanted, borders, watch)?;
     let tolerance = if source.channel.image.bits() == 8 { 1e-5 } else { 1e-6 };
     let (step_count, residual) = solver.descend(tolerance, watch)?;
-    let clamped_count =
-        if source.channel.is_normal() { 0 } else { solver.bring_into_range(tolerance, watch)? };
+    let clamped_count = match source.channel.bounds() {
+        Some(bounds) => solver.bring_into_range(bounds, tolerance, watch)?,
+        None => 0,
+    };
     Ok((solver.values, Fit { step_count, residual, tolerance, clamped_count }))
 }
 
@@ -177,11 +179,13 @@ impl<'a> Solver<'a> {
         }
     }
 
-    /// Clamps all samples to [0, 1], and where that changed any takes steps that stay there. Returns how many
+    /// Clamps all samples to `bounds`, and where that changed any takes steps that stay there. Returns how many
     /// were out of range by more than the fit leaves open.
-    fn bring_into_range(&mut self, tolerance: f64, watch: &dyn Watch) -> Result<u64> {
+    fn bring_into_range(&mut self, bounds: [f32; 2], tolerance: f64, watch: &dyn Watch) -> Result<u64> {
         let trifle = tolerance as f32;
-        let outside = |value: &&Vec4| value.min_element() < -trifle || value.max_element() > 1.0 + trifle;
+        let ([low, high], [lowest, highest]) = (bounds, bounds.map(Vec4::splat));
+        let outside =
+            |value: &&Vec4| value.min_element() < low - trifle || value.max_element() > high + trifle;
         let count = self.values.par_iter().filter(outside).count() as u64;
         let steps = if count > 0 { PROJECTED_STEPS } else { 0 };
         for step in 0..=steps {
@@ -189,7 +193,7 @@ impl<'a> Solver<'a> {
             let length = if step == 0 { 0.0 } else { 1.0 };
             let samples = self.values.par_iter_mut().zip(&self.residuals).zip(&self.scales);
             samples.zip(&mut self.direction).for_each(|(((value, residual), scale), change)| {
-                let next = (*value + scaled(*residual, scale) * length).clamp(Vec4::ZERO, Vec4::ONE);
+                let next = (*value + scaled(*residual, scale) * length).clamp(lowest, highest);
                 *change = next - *value;
                 *value = next;
             });

@@ -130,9 +130,10 @@ fn filtered(
         }
         Ok(())
     })?;
-    if !source.channel.is_normal() {
+    if let Some(bounds) = source.channel.bounds() {
         // A mean of what is in range is out of it by rounding at most.
-        values.par_iter_mut().for_each(|value| *value = value.clamp(Vec4::ZERO, Vec4::ONE));
+        let [low, high] = bounds.map(Vec4::splat);
+        values.par_iter_mut().for_each(|value| *value = value.clamp(low, high));
     }
     Ok(values)
 }

@@ -22,8 +22,10 @@ pub(super) fn two_charts(image: Image, first: [[f32; 2]; 3], second: [[f32; 2]; 
         ..Primitive::default()
     };
     let mut material = Material::default();
-    material.slots[Slot::MetallicRoughness as usize] =
-        Some(TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() });
+    material.slots.insert(
+        Slot::MetallicRoughness,
+        TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() },
+    );
     Asset {
         images: vec![image],
         materials: vec![material],
@@ -122,7 +124,10 @@ fn what_is_transparent_has_no_vote_about_cuts() {
     let rgba = Image { width: 16, height: 16, components: 4, pixels: Pixels::U8(pixels) };
     let mut asset = two_charts(rgba, LEFT, RIGHT);
     asset.materials[0].alpha_mode = AlphaMode::Blend;
-    asset.materials[0].slots.swap(Slot::BaseColor as usize, Slot::MetallicRoughness as usize);
+    let slots = &mut asset.materials[0].slots;
+    if let Some(texture) = slots.remove(&Slot::MetallicRoughness) {
+        slots.insert(Slot::BaseColor, texture);
+    }
     let (values, cuts) = samples(&asset, 1, Sampling::Filtered(None));
     assert!(cuts.edges.iter().all(|cut| !cut));
     let edge = values.iter().find(|v| v.w > 0.2 && v.w < 0.8).expect("the shared edge is half transparent");

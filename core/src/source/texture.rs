@@ -1,6 +1,6 @@
 //! UV textures as functions on the canvas.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
@@ -53,7 +53,9 @@ fn no_texture() -> TextureRef {
 pub fn channels(asset: &Asset, material: usize, takes_colors: bool) -> Vec<SourceChannel<'_>> {
     let mut channels: Vec<SourceChannel<'_>> = Vec::new();
     let source = &asset.materials[material];
-    for slot in Slot::ALL {
+    // Vertex colors may be a base color of their own.
+    let slots: BTreeSet<Slot> = source.slots.keys().copied().chain([Slot::BaseColor]).collect();
+    for slot in slots {
         let is_tinted = takes_colors && slot == Slot::BaseColor;
         let (texture, image) = match source.slot(slot) {
             Some(texture) => (*texture, &asset.images[texture.image]),
@@ -74,6 +76,7 @@ pub fn channels(asset: &Asset, material: usize, takes_colors: bool) -> Vec<Sourc
                 && known.transfer == transfer
                 && known.kind == kind
                 && known.is_tinted == is_tinted
+                && known.is_attribute() == slot.is_attribute()
         };
         match channels.iter_mut().find(same) {
             Some(known) => known.slots.push(slot),
@@ -128,6 +131,16 @@ impl SourceChannel<'_> {
     /// The material's normal scale, of a normal map.
     pub fn normal_scale(&self) -> Option<f32> {
         self.kind.normal_scale()
+    }
+
+    pub fn is_attribute(&self) -> bool {
+        self.slots.iter().any(Slot::is_attribute)
+    }
+
+    /// What samples stay within; normals have their length for it.
+    pub fn bounds(&self) -> Option<[f32; 2]> {
+        let low = if self.image.value_scale().is_some() { -1.0 } else { 0.0 };
+        (!self.is_normal()).then_some([low, 1.0])
     }
 
     /// Whether there is no texture, only vertex colors.

@@ -14,7 +14,7 @@ use crate::image::LevelRange;
 use super::draft::{Draft, at, index, member, object, remove_extension};
 use super::references::visit_texture_infos;
 use super::united::{self, United};
-use super::{images, parts, slot_path};
+use super::{images, parts};
 
 const CLAMP_TO_EDGE: u32 = 33071;
 const LINEAR: u32 = 9729;
@@ -201,7 +201,7 @@ fn add_texture(
         let material = object(at(&mut draft.materials, material));
         for slot in &texture.slots {
             let mut info = &mut *material;
-            for step in slot_path(*slot) {
+            for step in slot.path() {
                 info = member(info, step);
             }
             let source = info.insert("index".to_owned(), number.into());
@@ -226,6 +226,7 @@ fn add_texture(
     if !texture.ranges.is_empty() {
         extension.insert("ranges".to_owned(), ranges(texture));
     }
+    extension.extend(texture.value_scale.map(|scale| ("valueScale".to_owned(), scale.into())));
     json.insert("extensions".to_owned(), json!({ EXTENSION: extension }));
     draft.textures.push(Value::Object(json));
 }

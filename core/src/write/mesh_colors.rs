@@ -3,6 +3,7 @@
 //! Everything is as in the source but the pictures of the slots that mesh colors stand for. One texel of their mean color
 //! takes their place, for viewers that do not know the extension.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value, json};
@@ -15,7 +16,7 @@ use crate::watch::{Watch, check};
 use super::draft::{Draft, at, index, member, object, remove_extension};
 use super::materials::variants;
 use super::references::{TEXTURE_SOURCES, visit_texture_infos};
-use super::{compact, extensions, images, primitives, slot_path, vertices};
+use super::{compact, extensions, images, primitives, vertices};
 
 /// A material's mesh colors on their way into a file.
 pub struct PaintedMaterial {
@@ -119,12 +120,17 @@ fn material(draft: &mut Draft<'_>, colors: &MeshColors) -> Map<String, Value> {
 fn channel(draft: &mut Draft<'_>, channel: &MeshColorChannel) -> Map<String, Value> {
     let slots: Vec<&str> = channel.slots.iter().map(|slot| slot.gltf_name()).collect();
     let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][usize::from(channel.components - 1) % 4];
+    let samples = match channel.value_scale {
+        Some(scale) => Cow::Owned(channel.samples.iter().map(|value| value * scale).collect()),
+        None => Cow::Borrowed(channel.samples.as_slice()),
+    };
     let mut own = Map::from_iter([
         ("slots".to_owned(), json!(slots)),
         ("components".to_owned(), channel.components.into()),
         ("bits".to_owned(), channel.bits.into()),
-        ("samples".to_owned(), vertices::add_packed_floats(draft, &channel.samples, kind).into()),
+        ("samples".to_owned(), vertices::add_packed_floats(draft, &samples, kind).into()),
     ]);
+    own.extend(channel.value_scale.map(|scale| ("valueScale".to_owned(), scale.into())));
     if !channel.cuts.is_empty() {
         own.insert("cuts".to_owned(), vertices::add_packed_bytes(draft, &channel.cuts, "SCALAR").into());
     }
@@ -161,7 +167,8 @@ fn replace_images(
     for painted in painted.iter().filter(|painted| !as_they_were.contains(&painted.material)) {
         for (channel, stand_in) in painted.colors.channels.iter().zip(&painted.stand_ins) {
             for slot in &channel.slots {
-                let Some((last, path)) = slot_path(*slot).split_last() else { continue };
+                let path = slot.path();
+                let Some((last, path)) = path.split_last() else { continue };
                 let mut holder = object(at(&mut rest, painted.material));
                 for step in path {
                     holder = member(holder, step);

@@ -27,7 +27,7 @@ mod vertices;
 
 use std::collections::BTreeMap;
 
-use crate::asset::{Asset, Slot};
+use crate::asset::Asset;
 use crate::error::{Error, ErrorCode, Result, Warning};
 use crate::finished::{EXTENSION, Finished, FinishedPrimitive};
 use crate::watch::{Stage, Watch, check};
@@ -154,15 +154,4 @@ fn converted_primitives<'a>(
         pieces.sort_by_key(|piece| (piece.primitive, piece.part));
     }
     Ok(converted)
-}
-
-/// Where a slot's texture info stands inside a material, as a chain of property names.
-pub(crate) fn slot_path(slot: Slot) -> &'static [&'static str] {
-    match slot {
-        Slot::BaseColor => &["pbrMetallicRoughness", "baseColorTexture"],
-        Slot::MetallicRoughness => &["pbrMetallicRoughness", "metallicRoughnessTexture"],
-        Slot::Normal => &["normalTexture"],
-        Slot::Occlusion => &["occlusionTexture"],
-        Slot::Emissive => &["emissiveTexture"],
-    }
 }

@@ -2,7 +2,7 @@
 //! much of the machine to use.
 
 use clap::error::ErrorKind;
-use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use meshcolor::pipeline::{OPTIONS, OptionSpec, Options};
 
 use crate::settings::variable;
@@ -19,6 +19,7 @@ impl Args for ConversionFlags {
             let switch =
                 |argument: Arg| argument.num_args(0..=1).require_equals(true).default_missing_value("true");
             let argument = if spec.is_switch() { switch(argument) } else { argument };
+            let argument = if spec.is_list { argument.action(ArgAction::Append) } else { argument };
             argument
                 .long(spec.name)
                 .env(variable(spec.name))
@@ -40,8 +41,9 @@ impl FromArgMatches for ConversionFlags {
         };
         let mut options = Options::default();
         for spec in OPTIONS {
-            if let Some(value) = matches.get_one::<String>(spec.name) {
-                options.set(spec.name, value).map_err(refuse)?;
+            if let Some(values) = matches.get_many::<String>(spec.name) {
+                let value = values.cloned().collect::<Vec<_>>().join(",");
+                options.set(spec.name, &value).map_err(refuse)?;
             }
         }
         options.check().map_err(refuse)?;
@@ -94,6 +96,11 @@ mod tests {
         assert_eq!(options.cut_codes, 3.0);
         assert!(read(&["--merge", "--cut", "3"]).unwrap().merges);
         assert!(!read(&["--no-share=false"]).unwrap().merges);
+        let listed =
+            read(&["--channel", "a=x.png", "--channel=b@Skin=y.exr#1", "--textures", "png,exr"]).unwrap();
+        let json = listed.to_json();
+        assert_eq!(json["channel"], "a=x.png,b@Skin=y.exr#1");
+        assert_eq!(json["textures"], "png,exr");
         assert!(read(&["--cut", "many"]).unwrap_err().to_string().contains("0..=255"));
         assert!(read(&["--compress", "bc7"]).unwrap_err().to_string().contains("add ktx2"));
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context;
-use meshcolor::read::{Upload, read};
+use meshcolor::read::{Upload, read_with};
 use meshcolor::watch::{Stage, Watch};
 use tokio::sync::watch;
 
@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 fn convert(arguments: &Arguments, upload: &Upload, watch: &JobWatch) -> anyhow::Result<Tradeoff> {
     let limits = &arguments.limits.0;
     watch.stage(Stage::Read);
-    let asset = read(upload, limits, watch)?;
+    let asset = read_with(upload, &arguments.conversion.0.channels, limits, watch)?;
     let subject =
         Subject { model: &work::title(&upload.main), asset: &asset, read: watch.finish().into_iter().next() };
     let manner = Manner { limits, repeat_count: arguments.repeat, done: 0.02 };

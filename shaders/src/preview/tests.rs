@@ -143,7 +143,7 @@ fn compare(name: &str, conversion: &Conversion) {
     let focus = conversion.focus.as_ref();
     let mut views = vec![whole(&scene, focus)];
     views.extend(focus.and_then(|focus| close_up(&scene, focus)));
-    for slot in Slot::ALL {
+    for slot in Slot::CORE {
         views.extend(focus.and_then(|focus| close_up(&scene, focus)).map(|view| View {
             look: Look::Flat(slot),
             filters: vec![Filter::Trilinear],

@@ -1,10 +1,12 @@
 //! What the sheet says about a conversion and its pictures.
 
+use std::collections::BTreeSet;
+
 use meshcolor::asset::Slot;
 use meshcolor::pipeline::{Conversion, Focus};
 use serde_json::Value;
 
-use super::scene::surface::Look;
+use super::scene::surface::{Look, base_of};
 use super::scene::views::View;
 use super::scene::{Filter, Scene, Subject};
 
@@ -65,7 +67,7 @@ pub fn row_words(view: &View, filter: Filter, focus: Option<&Focus>) -> (String,
     };
     let look = match view.look {
         Look::Lit => "lit".to_owned(),
-        Look::Flat(slot) => format!("{}, unlit", channel(slot)),
+        Look::Flat(slot) => format!("{}, unlit", channel(&slot)),
     };
     let detail = match filter {
         Filter::Trilinear if view.mark.is_some() => {
@@ -82,13 +84,14 @@ pub fn row_words(view: &View, filter: Filter, focus: Option<&Focus>) -> (String,
     (title, detail)
 }
 
-fn channel(slot: Slot) -> &'static str {
+fn channel(slot: &Slot) -> &str {
     match slot {
         Slot::BaseColor => "base color",
         Slot::MetallicRoughness => "metallic-roughness as stored",
         Slot::Normal => "normals as seen by the camera",
         Slot::Occlusion => "occlusion",
         Slot::Emissive => "emissive",
+        Slot::Attribute(name) => name.as_str(),
     }
 }
 
@@ -106,6 +109,7 @@ pub fn notes(conversion: &Conversion, scene: &Scene<'_>, has_close_up: bool) -> 
     if scene.triangle_count() == 0 {
         notes.push("The default scene has no triangles to draw.".to_owned());
     }
+    notes.extend(stand_in(conversion));
     if conversion.asset.materials.iter().any(|material| material.mesh_colors.is_some()) {
         notes.push(
             "The source has mesh colors and no pictures of them: its column shows the material without them."
@@ -118,6 +122,24 @@ pub fn notes(conversion: &Conversion, scene: &Scene<'_>, has_close_up: bool) -> 
         );
     }
     notes
+}
+
+/// Which attributes are shown and which are not.
+fn stand_in(conversion: &Conversion) -> Option<String> {
+    let (asset, finished) = (&conversion.asset, &conversion.finished);
+    let bases: BTreeSet<Slot> = (0..asset.materials.len()).map(|own| base_of(asset, finished, own)).collect();
+    let shown = bases.iter().filter(|slot| slot.is_attribute()).map(channel).collect::<Vec<_>>().join(", ");
+    let slots = finished.textures.iter().flat_map(|texture| &texture.slots);
+    let hidden: BTreeSet<&Slot> = slots.filter(|slot| slot.is_attribute() && !bases.contains(slot)).collect();
+    let hidden = hidden.into_iter().map(channel).collect::<Vec<_>>().join(", ");
+    match (shown.is_empty(), hidden.is_empty()) {
+        (true, true) => None,
+        (true, false) => Some(format!("Channels that a material does not show are not drawn: {hidden}.")),
+        (false, true) => Some(format!("Drawn in place of a base color, which there is none of: {shown}.")),
+        (false, false) => Some(format!(
+            "Drawn in place of a base color, which there is none of: {shown}. Not drawn: {hidden}."
+        )),
+    }
 }
 
 #[cfg(test)]

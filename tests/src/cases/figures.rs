@@ -130,7 +130,7 @@ fn document(asset: &Asset, glb: &[u8]) -> Value {
         "images": count("images"),
         "attributes": attributes(new),
         "extensions": new["extensionsUsed"],
-        "slots": Slot::ALL.into_iter().filter(|&slot| back.materials.iter().any(|m| m.slot(slot).is_some())).count(),
+        "slots": Slot::CORE.into_iter().filter(|&slot| back.materials.iter().any(|m| m.slot(slot).is_some())).count(),
     })
 }
 

@@ -145,6 +145,7 @@ impl Stages<'_> {
             slots: vec![Slot::BaseColor],
             transfer: self.transfer,
             ranges: Default::default(),
+            value_scale: None,
             levels,
         };
         let piece = FinishedPrimitive {

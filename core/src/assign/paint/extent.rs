@@ -1,5 +1,6 @@
 //! Which levels need a range, and which: by the values that their texels would store.
 
+use glam::Vec4;
 use rayon::prelude::*;
 
 use crate::error::Result;
@@ -55,21 +56,23 @@ pub fn need_of_range(
     Ok(Need::Ranged { is_too_wide: far > 0.5 * RANGE_WIDTH })
 }
 
-/// The range that holds a level's texels.
+/// The range that holds a level's texels, and of numbers of any size all from -1 to 1: so it does not depend on them where
+/// texels are samples.
 ///
 /// # Errors
 /// `Canceled`.
 pub fn range_of(
     channel: &LevelChannel<'_>,
     values: &LevelValues,
-    range: Range,
+    (range, is_number): (Range, bool),
     watch: &dyn Watch,
 ) -> Result<LevelRange> {
     if range == Range::Float16 {
         return Ok(LevelRange::Float16);
     }
     let all = plain(channel, values).extent(|_| true, watch)?;
-    Ok(LevelRange::spanning(all.low, all.high))
+    let reach = if is_number { Vec4::ONE } else { Vec4::NEG_INFINITY };
+    Ok(LevelRange::spanning(all.low.min(-reach), all.high.max(reach)))
 }
 
 fn plain<'a>(channel: &'a LevelChannel<'a>, values: &'a LevelValues) -> Painter<'a> {

@@ -9,12 +9,17 @@ use serde_json::Value;
 use crate::error::{Error, Result};
 use crate::image::{Image, LevelRange, Pixels};
 
-/// Reads `ranges` beside the `levels` that it is about; `place` is its JSON pointer.
+/// Reads `ranges` beside the `levels` that it is about; `place` is its JSON pointer. Levels before `first` have none.
 ///
 /// # Errors
 /// `InvalidModel` where a level is named twice or is not there, where its image has no 16 bits or holds
 /// half floats that are no numbers, and where a scale or bias is not finite or a scale not above 0.
-pub fn of(ranges: Option<&Value>, levels: &[Image], place: &str) -> Result<BTreeMap<usize, LevelRange>> {
+pub fn of(
+    ranges: Option<&Value>,
+    levels: &[Image],
+    first: usize,
+    place: &str,
+) -> Result<BTreeMap<usize, LevelRange>> {
     let mut found = BTreeMap::new();
     let Some(ranges) = ranges else { return Ok(found) };
     let entries = ranges.as_array();
@@ -23,9 +28,8 @@ pub fn of(ranges: Option<&Value>, levels: &[Image], place: &str) -> Result<BTree
     for (number, entry) in entries.iter().enumerate() {
         let lie = |rule: String| Error::invalid(rule).at(format!("{place}/{number}"));
         let level = entry.get("level").and_then(Value::as_u64).and_then(|level| usize::try_from(level).ok());
-        // Level 0 is what loaders without the extension show.
-        let level = level.filter(|level| (1..levels.len()).contains(level)).ok_or_else(|| {
-            lie(format!("\"level\" has to be one of 1 to {}", levels.len().saturating_sub(1)))
+        let level = level.filter(|level| (first..levels.len()).contains(level)).ok_or_else(|| {
+            lie(format!("\"level\" has to be one of {first} to {}", levels.len().saturating_sub(1)))
         })?;
         let image = &levels[level];
         let Pixels::U16(codes) = &image.pixels else {

@@ -43,19 +43,20 @@ pub fn of(asset: &Asset, places: &[PartOf]) -> Result<Vec<FinishedTexture>> {
 /// The converted textures of a glTF material, each with the slots that read it, in order of the first of them.
 fn read_by(json: &Value, material: usize) -> Result<Vec<(u64, Vec<Slot>)>> {
     let mut textures: Vec<(u64, Vec<Slot>)> = Vec::new();
-    for slot in Slot::ALL {
-        let Some(number) = texture_number(json, material, slot) else { continue };
+    let kind = |slot: &Slot| (slot.is_color(), slot.is_attribute());
+    for slot in slots_of(json, material) {
+        let Some(number) = texture_number(json, material, &slot) else { continue };
         if extension_json(json, number).is_none() {
             continue;
         }
         match textures.iter_mut().find(|(known, _)| *known == number) {
             None => textures.push((number, vec![slot])),
-            Some((_, slots)) if slots.iter().all(|known| known.is_color() == slot.is_color()) => {
+            Some((_, slots)) if slots.iter().all(|known| kind(known) == kind(&slot)) => {
                 slots.push(slot);
             }
             Some(_) => {
-                let rule =
-                    "one converted texture is read as color and as data: each needs a texture of its own";
+                let rule = "one converted texture is read as color and as data, or by an attribute and something else: each needs a texture \
+                     of its own";
                 return Err(Error::invalid(rule).at(format!("/materials/{material}")));
             }
         }
@@ -67,18 +68,47 @@ fn converted(asset: &Asset, number: u64, place: PartOf, slots: Vec<Slot>) -> Res
     let extension = extension_json(&asset.document.json, number).unwrap_or(&Value::Null);
     let levels = levels_of(asset, number, extension)?;
     let below = format!("/textures/{number}/extensions/{EXTENSION}/ranges");
-    let ranges = ranges::of(extension.get("ranges"), &levels, &below)?;
+    // What loaders without the extension show is level 0 of the core slots.
+    let first = usize::from(!slots.iter().all(Slot::is_attribute));
+    let ranges = ranges::of(extension.get("ranges"), &levels, first, &below)?;
     check_codes(&levels, &ranges, number)?;
+    let value_scale = value_scale(extension, &slots, ranges.len() == levels.len())
+        .map_err(|error| error.at(format!("/textures/{number}/extensions/{EXTENSION}/valueScale")))?;
     let is_color = slots.iter().any(|slot| slot.is_color());
     let transfer = if is_color { Transfer::Srgb } else { Transfer::Linear };
     let PartOf { material, part } = place;
-    Ok(FinishedTexture { materials: vec![material], part, slots, transfer, levels, ranges })
+    Ok(FinishedTexture { materials: vec![material], part, slots, transfer, levels, ranges, value_scale })
 }
 
-fn texture_number(json: &Value, material: usize, slot: Slot) -> Option<u64> {
-    let material = json.get("materials")?.get(material)?;
-    let holder = if slot.in_pbr() { material.get("pbrMetallicRoughness")? } else { material };
-    holder.get(slot.gltf_name())?.get("index")?.as_u64()
+/// What a value of 1 stands for, of attributes whose levels are all in ranges.
+fn value_scale(extension: &Value, slots: &[Slot], is_ranged: bool) -> Result<Option<f32>> {
+    let Some(scale) = extension.get("valueScale") else { return Ok(None) };
+    let scale = scale.as_f64().map(|scale| scale as f32).filter(|scale| scale.is_finite() && *scale > 0.0);
+    match scale.filter(|_| is_ranged && slots.iter().all(Slot::is_attribute)) {
+        Some(scale) => Ok(Some(scale)),
+        None => Err(Error::invalid(
+            "\"valueScale\" has to be a finite number above 0, of a texture of attributes whose levels all have ranges",
+        )),
+    }
+}
+
+/// The slots that a glTF material may have a texture in.
+fn slots_of(json: &Value, material: usize) -> Vec<Slot> {
+    let pointer = format!("/materials/{material}/extensions/{EXTENSION}/channels");
+    let channels = json.pointer(&pointer).and_then(Value::as_object);
+    let attributes = channels.into_iter().flat_map(|channels| channels.keys());
+    let attributes = attributes.filter_map(|name| Slot::of_gltf_name(name)).filter(Slot::is_attribute);
+    let mut slots: Vec<Slot> = Slot::CORE.into_iter().chain(attributes).collect();
+    slots.sort_unstable();
+    slots
+}
+
+fn texture_number(json: &Value, material: usize, slot: &Slot) -> Option<u64> {
+    let mut info = json.get("materials")?.get(material)?;
+    for step in slot.path() {
+        info = info.get(step)?;
+    }
+    info.get("index")?.as_u64()
 }
 
 fn texture_json(json: &Value, number: u64) -> Option<&Value> {

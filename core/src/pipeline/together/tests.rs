@@ -20,7 +20,7 @@ fn two_sheets() -> Asset {
     asset.materials.append(&mut other.materials);
     asset.images.append(&mut other.images);
     asset.meshes.append(&mut other.meshes);
-    if let Some(texture) = &mut asset.materials[1].slots[Slot::BaseColor as usize] {
+    if let Some(texture) = asset.materials[1].slots.get_mut(&Slot::BaseColor) {
         texture.image = 1;
     }
     asset

@@ -2,6 +2,7 @@
 
 use super::super::json::At;
 use super::super::text::quoted;
+use crate::asset::TEXTURE_EXTENSION;
 use crate::error::{Error, ErrorCode, Result};
 
 const UNDERSTOOD: [&str; 10] = [
@@ -13,7 +14,7 @@ const UNDERSTOOD: [&str; 10] = [
     "KHR_texture_basisu",
     "EXT_texture_webp",
     "FB_ngon_encoding",
-    "MCT_mesh_color_texture",
+    TEXTURE_EXTENSION,
     "MCT_mesh_colors",
 ];
 

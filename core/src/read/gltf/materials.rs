@@ -8,7 +8,7 @@ use super::super::json::At;
 use super::super::text::quoted;
 use super::super::warnings::Warnings;
 use super::primitives::TEXCOORD_SETS_MAX;
-use crate::asset::{AlphaMode, Material, Slot, TextureRef, UvTransform};
+use crate::asset::{AlphaMode, AttributeName, Material, Slot, TEXTURE_EXTENSION, TextureRef, UvTransform};
 use crate::error::Result;
 use crate::image::{Wrap, WrapMode};
 
@@ -38,11 +38,11 @@ pub(super) fn blank() -> Result<Material> {
 /// their index in the document.
 pub(super) fn wanted_images(root: &At, materials: &[Material], image_count: usize) -> Vec<Wanted> {
     let mut wanted = vec![Wanted::No; image_count];
-    for slot in materials.iter().flat_map(|material| &material.slots).flatten() {
+    for slot in materials.iter().flat_map(|material| material.slots.values()) {
         wanted[slot.image] = Wanted::Shared;
     }
     for texture in root.value["textures"].as_array().into_iter().flatten() {
-        let levels = &texture["extensions"]["MCT_mesh_color_texture"]["levels"];
+        let levels = &texture["extensions"][TEXTURE_EXTENSION]["levels"];
         let source = texture["source"].as_u64().and_then(|source| usize::try_from(source).ok());
         if !source.and_then(|source| wanted.get(source)).is_some_and(|wanted| *wanted != Wanted::No) {
             continue;
@@ -108,8 +108,8 @@ fn read_one(at: &At, textures: &[Texture], warnings: &mut Warnings) -> Result<Ma
         material.metallic_factor = pbr.number("metallicFactor")?.unwrap_or(1.0);
         material.roughness_factor = pbr.number("roughnessFactor")?.unwrap_or(1.0);
     }
-    for slot in Slot::ALL {
-        let holder = if slot.in_pbr() { pbr.as_ref() } else { Some(at) };
+    for slot in Slot::CORE {
+        let holder = if slot.path().len() > 1 { pbr.as_ref() } else { Some(at) };
         let Some(info) = holder.map(|holder| holder.object(slot.gltf_name())).transpose()?.flatten() else {
             continue;
         };
@@ -118,9 +118,36 @@ fn read_one(at: &At, textures: &[Texture], warnings: &mut Warnings) -> Result<Ma
             Slot::Occlusion => material.occlusion_strength = info.number("strength")?.unwrap_or(1.0),
             _ => {}
         }
-        material.slots[slot as usize] = texture_ref(&info, textures, warnings)?;
+        material.slots.extend(texture_ref(&info, textures, warnings)?.map(|texture| (slot, texture)));
+    }
+    let extensions = at.object("extensions")?;
+    let own = extensions.map(|extensions| extensions.object(TEXTURE_EXTENSION)).transpose()?.flatten();
+    if let Some(channels) = own.map(|own| own.object("channels")).transpose()?.flatten() {
+        attributes(&channels, textures, &mut material, warnings)?;
     }
     Ok(material)
+}
+
+/// The attributes of a converted file.
+fn attributes(
+    channels: &At,
+    textures: &[Texture],
+    material: &mut Material,
+    warnings: &mut Warnings,
+) -> Result<()> {
+    for name in channels.value.as_object().into_iter().flat_map(Map::keys) {
+        let slot = Slot::of_gltf_name(name).filter(Slot::is_attribute).ok_or_else(|| {
+            let rule = AttributeName::RULE;
+            channels.error(format!(
+                "{} is no channel; channels are NAMETexture, where NAME has {rule}",
+                quoted(name)
+            ))
+        })?;
+        if let Some(info) = channels.object(name)? {
+            material.slots.extend(texture_ref(&info, textures, warnings)?.map(|texture| (slot, texture)));
+        }
+    }
+    Ok(())
 }
 
 fn alpha_mode(at: &At) -> Result<AlphaMode> {

@@ -9,7 +9,8 @@ use super::super::text::quoted;
 use super::accessors::{Accessor, Store};
 use super::typed::{finite_floats, whole_numbers};
 use crate::asset::{
-    EXPONENT_MAX, Face, MESH_COLORS_EXTENSION, Material, Mesh, MeshColorChannel, MeshColors, Slot,
+    AttributeName, EXPONENT_MAX, Face, MESH_COLORS_EXTENSION, Material, Mesh, MeshColorChannel, MeshColors,
+    Slot, VALUE_SCALES,
 };
 use crate::error::Result;
 
@@ -71,13 +72,14 @@ pub(super) fn read(
         let colors = read_colors(&own, &counts, store, &mut context.budget)?;
         let leaves_range = |channel: &&MeshColorChannel| {
             !channel.slots.contains(&Slot::Normal)
+                && channel.value_scale.is_none()
                 && channel.samples.iter().any(|value| !(0.0..=1.0).contains(value))
         };
         for _ in colors.channels.iter().filter(leaves_range) {
             context.warnings.add("mesh_color_out_of_range", &own.pointer, OUT_OF_RANGE);
         }
         for slot in colors.channels.iter().flat_map(|channel| &channel.slots) {
-            material.slots[*slot as usize] = None;
+            material.slots.remove(slot);
         }
         material.mesh_colors = Some(colors);
     }
@@ -179,7 +181,12 @@ fn read_channel(at: &At, face_count: usize, store: &Store, budget: &mut Budget) 
         3 => Dimensions::Vec3,
         _ => Dimensions::Vec4,
     };
-    let samples = finite_floats(store, samples, ("samples", dimensions), budget)?;
+    let mut samples = finite_floats(store, samples, ("samples", dimensions), budget)?;
+    let value_scale = value_scale(at, &slots, bits)?;
+    if let Some(scale) = value_scale {
+        samples.iter_mut().for_each(|value| *value /= scale);
+        check_sizes(at, &samples, scale)?;
+    }
     let cuts = match accessor(at, "cuts", store)? {
         Some((at, accessor)) => {
             let cuts = whole_numbers(store, accessor, ("cuts", Dimensions::Scalar), budget)?;
@@ -201,16 +208,43 @@ fn read_channel(at: &At, face_count: usize, store: &Store, budget: &mut Budget) 
         }
         None => Vec::new(),
     };
-    Ok(MeshColorChannel { slots, components, bits, cuts, samples, tangents })
+    Ok(MeshColorChannel { slots, components, bits, cuts, samples, value_scale, tangents })
+}
+
+/// Of attributes alone.
+fn value_scale(at: &At, slots: &[Slot], bits: u8) -> Result<Option<f32>> {
+    let Some(scale) = at.number("valueScale")? else { return Ok(None) };
+    if !slots.iter().all(Slot::is_attribute) || bits != 16 {
+        return Err(at.error("`valueScale` is for attributes of 16 bits alone"));
+    }
+    if (VALUE_SCALES[0]..=VALUE_SCALES[1]).contains(&scale) {
+        return Ok(Some(scale));
+    }
+    let [low, high] = VALUE_SCALES;
+    Err(at.error(format!("`valueScale` is {scale}; allowed is {low:e} to {high:e}")))
+}
+
+fn check_sizes(at: &At, samples: &[f32], scale: f32) -> Result<()> {
+    match samples.iter().position(|value| value.abs() > 1.0) {
+        Some(number) => Err(at.error(format!(
+            "number {number} of the samples is {}; `valueScale` says that none leaves ±{scale}",
+            samples[number] * scale
+        ))),
+        None => Ok(()),
+    }
 }
 
 fn slots(at: &At) -> Result<Vec<Slot>> {
     let mut slots = Vec::new();
     for name in at.list("slots")? {
         let name = name.as_str().unwrap_or_default();
-        let slot = Slot::ALL.into_iter().find(|slot| slot.gltf_name() == name).ok_or_else(|| {
-            let names = Slot::ALL.map(Slot::gltf_name).join(", ");
-            at.error(format!("{} is not a slot; slots are {names}", quoted(name)))
+        let slot = Slot::of_gltf_name(name).ok_or_else(|| {
+            let names = Slot::CORE.each_ref().map(Slot::gltf_name).join(", ");
+            let attributes = AttributeName::RULE;
+            at.error(format!(
+                "{} is not a slot; slots are {names}, and NAMETexture with a NAME of {attributes}",
+                quoted(name)
+            ))
         })?;
         slots.push(slot);
     }
@@ -220,9 +254,12 @@ fn slots(at: &At) -> Result<Vec<Slot>> {
     if slots.is_empty() || slots.len() != count {
         return Err(at.error("`slots` has to name at least one slot, and each once"));
     }
-    let is_apart = |one: Slot| one == Slot::Normal || one.is_color() != slots[0].is_color();
+    let kind = |slot: Slot| (slot.is_color(), slot.is_attribute());
+    let is_apart = |one: Slot| one == Slot::Normal || kind(one) != kind(slots[0]);
     if slots[1..].iter().any(|&slot| is_apart(slot)) || slots.len() > 1 && slots[0] == Slot::Normal {
-        return Err(at.error("slots of one channel hold one kind of thing: color, data, or normals"));
+        return Err(
+            at.error("slots of one channel hold one kind of thing: color, data, normals, or attributes")
+        );
     }
     Ok(slots)
 }

@@ -21,6 +21,8 @@ mod views;
 
 use serde_json::Value;
 
+pub use primitives::TEXCOORD_SETS_MAX;
+
 use super::Context;
 use super::images;
 use super::json::{At, check_version};
@@ -58,7 +60,7 @@ pub(super) fn read(mut json: Value, bin: Option<&[u8]>, context: &mut Context) -
 
     let wanted = materials::wanted_images(&root, &materials, encoded_images.len());
     let decoded = images::decode_all(&encoded_images, &wanted, |index| format!("/images/{index}"), context)?;
-    for reference in materials.iter_mut().flat_map(|material| &mut material.slots).flatten() {
+    for reference in materials.iter_mut().flat_map(|material| material.slots.values_mut()) {
         reference.image = decoded.canonical[reference.image];
     }
     drop(root);

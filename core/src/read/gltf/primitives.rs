@@ -13,8 +13,8 @@ use crate::asset::{Attribute, Mesh, MorphTarget, Primitive};
 use crate::error::Result;
 use crate::watch;
 
-/// Texture coordinate sets are numbered below this.
-pub(super) const TEXCOORD_SETS_MAX: usize = 16;
+/// Sets of texture coordinates that a primitive may have.
+pub const TEXCOORD_SETS_MAX: usize = 16;
 
 pub(super) fn read(root: &At, store: &Store, context: &mut Context) -> Result<Vec<Mesh>> {
     let material_count = root.list("materials")?.len();

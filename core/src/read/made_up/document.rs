@@ -84,13 +84,13 @@ fn material(material: &Material, textures: &mut Textures) -> Value {
     if material.alpha_mode == AlphaMode::Blend {
         value.insert("alphaMode".to_owned(), json!("BLEND"));
     }
-    for slot in Slot::ALL {
+    for slot in Slot::CORE {
         let Some(reference) = material.slot(slot) else { continue };
         let mut info = textures.info(reference);
         if slot == Slot::Normal {
             info["scale"] = json!(material.normal_scale);
         }
-        let holder = if slot.in_pbr() { &mut pbr } else { &mut value };
+        let holder = if slot.path().len() > 1 { &mut pbr } else { &mut value };
         holder.insert(slot.gltf_name().to_owned(), info);
     }
     value.insert("pbrMetallicRoughness".to_owned(), Value::Object(pbr));

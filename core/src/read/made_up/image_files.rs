@@ -85,7 +85,7 @@ impl ImageFiles {
         let mut wanted = vec![Wanted::Shared; encoded.len()];
         apart.keys().for_each(|number| wanted[*number] = Wanted::No);
         let decoded = images::decode_all(&encoded, &wanted, |index| places[index].clone(), context)?;
-        for reference in materials.iter_mut().flat_map(|material| &mut material.slots).flatten() {
+        for reference in materials.iter_mut().flat_map(|material| material.slots.values_mut()) {
             if !apart.contains_key(&reference.image) {
                 reference.image = decoded.canonical[reference.image];
             }

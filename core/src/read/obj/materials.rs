@@ -126,15 +126,14 @@ impl Gathered {
                 // Nobody could see it, and it has no faces to belong to.
                 if is_used {
                     self.ptex.check(map, &mut context.warnings);
-                    material.slots[slot as usize] = Some(self.ptex.reference(number, image));
+                    material.slots.insert(slot, self.ptex.reference(number, image));
                 }
                 continue;
             }
             self.ptex.keep_own(number);
             let mode = if map.clamp { WrapMode::ClampToEdge } else { WrapMode::Repeat };
             let wrap = Wrap { s: mode, t: mode };
-            material.slots[slot as usize] =
-                Some(TextureRef { image, wrap, texcoord: 0, transform: map.transform });
+            material.slots.insert(slot, TextureRef { image, wrap, texcoord: 0, transform: map.transform });
         }
         self.ptex.number_sets(number, &mut material);
         let [has_diffuse_map, has_emission_map] =

@@ -69,7 +69,7 @@ impl Uses {
     pub fn number_sets(&self, material: usize, slots: &mut Material) {
         let own = usize::from(self.keeps_own.last() == Some(&material));
         let images: Vec<usize> = self.of(material).map(|(_, known)| known.image).collect();
-        for slot in slots.slots.iter_mut().flatten() {
+        for slot in slots.slots.values_mut() {
             if let Some(set) = images.iter().position(|&image| image == slot.image) {
                 slot.texcoord = own + set;
             }

@@ -101,8 +101,10 @@ fn materials(
         let image = files.number(name, &folder, &format!("{}:{line}", soup.file), context)?;
         let wrap = Wrap { s: WrapMode::Repeat, t: WrapMode::Repeat };
         let mut material = plain(name);
-        material.slots[Slot::BaseColor as usize] =
-            Some(TextureRef { image, wrap, texcoord: 0, transform: UvTransform::default() });
+        material.slots.insert(
+            Slot::BaseColor,
+            TextureRef { image, wrap, texcoord: 0, transform: UvTransform::default() },
+        );
         materials.push(material);
     }
     if soup.polygons.iter().any(|polygon| polygon.material as usize == materials.len()) {

@@ -132,7 +132,7 @@ pub fn read(bytes: &[u8], mesh: Mesh, kind: Kind, place: &str, context: &mut Con
     let bits = if file.header.data == DataType::U8 { 8 } else { 16 };
     let texels_per_painted = if file.header.is_triangles { 1 } else { 2 };
     let [width, height] = atlas.size;
-    let pixels = Pixels::F32(Values { values, bits, texels_per_painted });
+    let pixels = Pixels::F32(Values { values, bits, texels_per_painted, scale: None });
     let texcoords = texcoords(&file, &charts, &atlas);
     Ok(Painted { image: Image { width, height, components, pixels }, texcoords })
 }

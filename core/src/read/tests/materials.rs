@@ -21,7 +21,7 @@ fn defaults_are_those_of_the_specification() {
     assert_eq!((material.normal_scale, material.occlusion_strength), (1.0, 1.0));
     assert_eq!(material.emissive_factor, Vec3::ZERO);
     assert_eq!((material.alpha_mode, material.double_sided), (AlphaMode::Opaque, false));
-    assert!(material.slots.iter().all(Option::is_none));
+    assert!(material.slots.is_empty());
     assert_eq!(read[1].alpha_mode, AlphaMode::Mask(0.5));
 }
 

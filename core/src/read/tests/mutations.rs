@@ -83,7 +83,7 @@ fn check_guarantees(asset: &Asset) {
     for instance in &asset.instances {
         assert!(instance.mesh < asset.meshes.len() && instance.transform.is_finite());
     }
-    for slot in asset.materials.iter().flat_map(|material| &material.slots).flatten() {
+    for slot in asset.materials.iter().flat_map(|material| material.slots.values()) {
         assert!(slot.image < asset.images.len());
     }
     assert_eq!(asset.images.len(), asset.document.encoded_images.len());

@@ -96,7 +96,7 @@ fn maps_of_a_material_have_coordinates_of_their_own() {
     assert_eq!(primitive.texcoords[0][0], Vec2::new(0.25, 0.5));
     assert_eq!(codes(&asset, primitive, Slot::BaseColor), [5, 15]);
     assert_eq!(codes(&asset, primitive, Slot::Emissive), [200, 15]);
-    assert_eq!(asset.materials[1].slots, [None; 5], "nothing shows it");
+    assert!(asset.materials[1].slots.is_empty(), "nothing shows it");
     let warned: Vec<_> = asset.warnings.iter().map(|w| (w.code.as_str(), w.pointer.as_str())).collect();
     assert_eq!(warned[0], ("ptex_transform", "a.mtl:3"));
 }
@@ -108,7 +108,7 @@ fn a_file_may_be_read_in_two_ways() {
     let color = file(false, 2).bytes();
     let mtl = b"newmtl m\nmap_Kd a.ptx\nmap_Ke a.ptx\nnorm a.ptx\n";
     let asset = read_files(&[("m.obj", obj.as_bytes()), ("a.mtl", mtl), ("a.ptx", &color)]).unwrap();
-    let images = Slot::ALL.map(|slot| asset.materials[0].slot(slot).map(|reference| reference.image));
+    let images = Slot::CORE.map(|slot| asset.materials[0].slot(slot).map(|reference| reference.image));
     assert_eq!(images, [Some(0), None, Some(1), None, Some(0)]);
     let value = |image: usize| asset.images[image].normalized(1, 1)[0];
     assert!(value(0) < value(1) && (value(1) * 255.0).fract() < 1e-3, "codes of normals are data");

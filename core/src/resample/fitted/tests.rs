@@ -29,8 +29,10 @@ fn patch(image: Image, slot: Slot) -> Asset {
         ..Primitive::default()
     };
     let mut material = Material { alpha_mode: AlphaMode::Blend, ..Material::default() };
-    material.slots[slot as usize] =
-        Some(TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() });
+    material.slots.insert(
+        slot,
+        TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() },
+    );
     Asset {
         images: vec![image],
         materials: vec![material],

@@ -28,8 +28,10 @@ fn model(slot: Slot) -> (Asset, CanvasMesh) {
         ..Primitive::default()
     };
     let mut material = Material::default();
-    material.slots[slot as usize] =
-        Some(TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() });
+    material.slots.insert(
+        slot,
+        TextureRef { image: 0, wrap: Wrap::default(), texcoord: 0, transform: UvTransform::default() },
+    );
     let pixels = (0..32 * 16 * 3u32).map(|k| (k * 97 % 200 + 28) as u8).collect();
     let mut asset = Asset {
         images: vec![Image { width: 32, height: 16, components: 3, pixels: Pixels::U8(pixels) }],

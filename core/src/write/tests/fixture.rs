@@ -200,6 +200,7 @@ fn texture(material: usize, slots: &[Slot], components: u8, seed: u32) -> Finish
         transfer,
         levels: levels.to_vec(),
         ranges: BTreeMap::new(),
+        value_scale: None,
     }
 }
 

@@ -2,8 +2,8 @@
 //! are stored in. Gray is `Y`, color `R`, `G`, `B`; alpha is `A` and not multiplied into the others.
 //! Normals are what glTF stores, in `R`, `G`, `B` around 1/2.
 //!
-//! Half floats give back every 8-bit code, and half-float levels are their own; what has 16-bit codes is
-//! stored in 32 bits. Compression is lossless.
+//! Half floats give back every 8-bit code, and half-float levels are their own; what has 16-bit codes, or a scale for
+//! numbers of any size, which multiplies them here, is stored in 32 bits. Compression is lossless.
 
 use std::io::Cursor;
 
@@ -23,7 +23,10 @@ use super::Level;
 /// `Internal` where the library refuses the image, which none of ours is to blame for.
 pub fn file(level: &Level<'_>) -> Result<Vec<u8>> {
     let values: Vec<Vec4> = level.values();
-    let is_half = matches!(level.image.pixels, Pixels::U8(_)) || level.range == Some(&LevelRange::Float16);
+    let scale = level.value_scale.unwrap_or(1.0);
+    // A scale may lift half floats over what they hold.
+    let is_half = matches!(level.image.pixels, Pixels::U8(_))
+        || level.range == Some(&LevelRange::Float16) && scale == 1.0;
     let channels: &[(&str, usize)] = match level.image.components {
         1 => &[("Y", 0)],
         2 => &[("Y", 0), ("A", 3)],
@@ -31,7 +34,7 @@ pub fn file(level: &Level<'_>) -> Result<Vec<u8>> {
         _ => &[("R", 0), ("G", 1), ("B", 2), ("A", 3)],
     };
     let channel = |&(name, component): &(&str, usize)| {
-        let plane = values.iter().map(|value| value[component]);
+        let plane = values.iter().map(|value| value[component] * scale);
         let samples = match is_half {
             true => FlatSamples::F16(plane.map(f16::from_f32).collect()),
             false => FlatSamples::F32(plane.collect()),

@@ -71,6 +71,7 @@ pub fn texels(level: &Level<'_>) -> Result<Texels> {
         };
         keys.extend([("MCTscale", numbers(stored, scale)), ("MCTbias", numbers(stored, bias))]);
     }
+    keys.extend(level.value_scale.map(|scale| ("MCTvalueScale", scale.to_string())));
     Ok(Texels { format, size: level.image.size(), bytes, keys })
 }
 

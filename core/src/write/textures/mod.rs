@@ -62,6 +62,7 @@ struct Level<'a> {
     transfer: Transfer,
     range: Option<&'a LevelRange>,
     is_normal: bool,
+    value_scale: Option<f32>,
 }
 
 impl<'a> Level<'a> {
@@ -72,6 +73,7 @@ impl<'a> Level<'a> {
             transfer: texture.transfer,
             range: texture.ranges.get(&number),
             is_normal: texture.is_normal(),
+            value_scale: texture.value_scale,
         }
     }
 

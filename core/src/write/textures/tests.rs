@@ -42,6 +42,7 @@ fn channels(list: &[(&[Slot], u8, u8)]) -> (Asset, Finished) {
         transfer: if slots[0].is_color() { Transfer::Srgb } else { Transfer::Linear },
         levels: SIZES.map(|size| image(size, components, bits, 7)).to_vec(),
         ranges: BTreeMap::new(),
+        value_scale: None,
     };
     (asset, Finished { textures: list.iter().map(texture).collect(), ..Finished::default() })
 }

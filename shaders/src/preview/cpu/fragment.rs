@@ -101,7 +101,7 @@ impl Fragment<'_> {
         let alpha = if surface.alpha_mode == AlphaMode::Blend { base.w.clamp(0.0, 1.0) } else { 1.0 };
         let color = match look {
             Look::Lit => lit(&self.shaded(base.truncate())),
-            Look::Flat(Slot::BaseColor) => base.truncate(),
+            Look::Flat(Slot::BaseColor | Slot::Attribute(_)) => base.truncate(),
             Look::Flat(slot) => self.flat(slot),
         };
         Some(color.clamp(Vec3::ZERO, Vec3::ONE).extend(alpha))
@@ -111,7 +111,7 @@ impl Fragment<'_> {
     fn flat(&self, slot: Slot) -> Vec3 {
         let Some(value) = self.sample(slot) else { return Vec3::splat(ABSENT) };
         let shown = match slot {
-            Slot::Emissive | Slot::BaseColor => return value.truncate(),
+            Slot::Emissive | Slot::BaseColor | Slot::Attribute(_) => return value.truncate(),
             Slot::Normal => self.normal() * 0.5 + 0.5,
             Slot::Occlusion => Vec3::splat(value.x),
             Slot::MetallicRoughness => value.truncate(),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use meshcolor::asset::AlphaMode;
+use meshcolor::asset::{AlphaMode, Slot};
 
 use super::device::Gpu;
 use crate::preview::scene::geometry::Batch;
@@ -38,7 +38,8 @@ impl Key {
         };
         let look = match look {
             Look::Lit => 0,
-            Look::Flat(slot) => 1 + slot as u32,
+            // An attribute stands where base color does.
+            Look::Flat(slot) => 1 + Slot::CORE.iter().position(|own| *own == slot).unwrap_or(0) as u32,
         };
         let overrides = vec![
             ("BASE_COLOR", how(0)),

@@ -86,7 +86,7 @@ impl<'a> Scene<'a> {
                 let material = primitive.material;
                 source.entry((material, 0)).or_insert_with(|| Surface {
                     is_tinted: material.is_some_and(|own| finished.vertex_colors.contains(&own)),
-                    ..Surface::new(&mut list, asset, None, material)
+                    ..Surface::new(&mut list, asset, finished, None, material)
                 });
             }
         }
@@ -96,7 +96,7 @@ impl<'a> Scene<'a> {
             let (material, part) = (Some(piece.material), piece.part);
             converted
                 .entry((material, part))
-                .or_insert_with(|| Surface::new(&mut list, asset, Some((finished, part)), material));
+                .or_insert_with(|| Surface::new(&mut list, asset, finished, Some(part), material));
         }
         Ok(Self {
             asset,

@@ -50,7 +50,7 @@ pub struct UvSet {
 /// A material as it is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
-    /// Indexed by `Slot as usize`.
+    /// Indexed as [`Slot::CORE`]; in the base color's place what [`base_of`] says.
     pub bindings: [Option<Binding>; 5],
     pub uv_sets: Vec<UvSet>,
     pub base_color_factor: Vec4,
@@ -83,22 +83,28 @@ impl Surface {
         }
     }
 
-    /// A material (`None`: glTF's default one) on one side; on the converted one a part of it. The converted side reads a slot by mesh
+    /// A material (`None`: glTF's default one) on one side: a part of it on the converted one. That one reads a slot by mesh
     /// coordinate where that slot was converted and the primitive has such coordinates.
     pub fn new(
         list: &mut TextureList<'_>,
         asset: &Asset,
-        finished: Option<(&Finished, usize)>,
+        finished: &Finished,
+        part: Option<usize>,
         material: Option<usize>,
     ) -> Self {
         let Some(index) = material else { return Self::plain(&default_material()) };
         let material = &asset.materials[index];
         let mut surface = Self::plain(material);
-        for slot in Slot::ALL {
-            let converted = finished.and_then(|(finished, part)| {
+        let base = base_of(asset, finished, index);
+        if base != Slot::BaseColor {
+            surface.show_data();
+        }
+        for (place, slot) in Slot::CORE.into_iter().enumerate() {
+            let slot = if slot == Slot::BaseColor { base } else { slot };
+            let converted = part.and_then(|part| {
                 finished.textures.iter().position(|t| t.is_of(index, part) && t.slots.contains(&slot))
             });
-            surface.bindings[slot as usize] = match (converted, material.slot(slot)) {
+            surface.bindings[place] = match (converted, material.slot(slot)) {
                 (Some(texture), _) => Some(Binding { texture, coordinate: Coordinate::Mesh }),
                 (None, Some(reference)) => {
                     let texture = list.source(reference.image, slot.is_color());
@@ -112,6 +118,11 @@ impl Surface {
         surface
     }
 
+    /// A dull surface of the color that its texture has.
+    fn show_data(&mut self) {
+        (self.base_color_factor, self.metallic_factor, self.roughness_factor) = (Vec4::ONE, 0.0, 1.0);
+    }
+
     fn uv_set(&mut self, set: UvSet) -> usize {
         match self.uv_sets.iter().position(|known| *known == set) {
             Some(number) => number,
@@ -123,7 +134,8 @@ impl Surface {
     }
 
     pub fn binding(&self, slot: Slot) -> Option<&Binding> {
-        self.bindings[slot as usize].as_ref()
+        let place = Slot::CORE.iter().position(|own| *own == slot)?;
+        self.bindings[place].as_ref()
     }
 
     pub fn uses_mesh_coordinates(&self) -> bool {
@@ -135,10 +147,11 @@ impl Surface {
         let Look::Flat(shown) = look else { return self.clone() };
         let mut surface = self.clone();
         let is_tested = matches!(self.alpha_mode, AlphaMode::Mask(_));
-        for slot in Slot::ALL {
-            let is_needed = slot == shown || (slot == Slot::BaseColor && is_tested);
+        for (place, slot) in Slot::CORE.into_iter().enumerate() {
+            let is_base = slot == Slot::BaseColor;
+            let is_needed = slot == shown || is_base && (is_tested || shown.is_attribute());
             if !is_needed {
-                surface.bindings[slot as usize] = None;
+                surface.bindings[place] = None;
             }
         }
         if surface.alpha_mode == AlphaMode::Blend {
@@ -146,6 +159,17 @@ impl Surface {
         }
         surface
     }
+}
+
+/// What is drawn as a material's base color: where it has none, the first of its attributes.
+pub fn base_of(asset: &Asset, finished: &Finished, material: usize) -> Slot {
+    let converted = finished.textures.iter().filter(|texture| texture.materials.contains(&material));
+    let slots =
+        || converted.clone().flat_map(|texture| &texture.slots).chain(asset.materials[material].slots.keys());
+    if slots().any(|slot| *slot == Slot::BaseColor) {
+        return Slot::BaseColor;
+    }
+    slots().filter(|slot| slot.is_attribute()).min().copied().unwrap_or(Slot::BaseColor)
 }
 
 /// glTF 2.0, section 3.9: what a primitive without a material has.

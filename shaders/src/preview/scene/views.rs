@@ -6,7 +6,7 @@ use meshcolor::pipeline::Focus;
 
 use super::camera::{Camera, CloseUp, extent, fit, three_quarter};
 use super::geometry::Turn;
-use super::surface::Look;
+use super::surface::{Look, base_of};
 use super::{Filter, Scene, Subject};
 
 /// A camera with its subject; both sides are drawn from it.
@@ -73,6 +73,10 @@ fn mark(scene: &Scene<'_>, focus: &Focus, camera: &Camera, size: [u32; 2]) -> Op
 pub fn close_up(scene: &Scene<'_>, focus: &Focus) -> Option<View> {
     let texture = scene.finished().textures.get(focus.texture)?;
     let slot = texture.slots.first().copied().unwrap_or(Slot::BaseColor);
+    let is_shown = |&own: &usize| base_of(scene.asset(), scene.finished(), own) == slot;
+    if slot.is_attribute() && !texture.materials.iter().any(is_shown) {
+        return None;
+    }
     scene.asset().meshes.get(focus.mesh)?.primitives.get(focus.primitive)?;
     let aspect = f64::from(PICTURE_WIDTH) / f64::from(CLOSE_UP_HEIGHT);
     let close_up = CloseUp {

@@ -152,8 +152,8 @@ fn material() -> Material {
         occlusion_strength: 1.0,
         ..Material::default()
     };
-    material.slots[Slot::BaseColor as usize] = reference(0);
-    material.slots[Slot::Normal as usize] = reference(1);
+    material.slots.extend(reference(0).map(|texture| (Slot::BaseColor, texture)));
+    material.slots.extend(reference(1).map(|texture| (Slot::Normal, texture)));
     material
 }
 
@@ -263,6 +263,7 @@ pub fn ball() -> Conversion {
         transfer,
         levels,
         ranges: BTreeMap::new(),
+        value_scale: None,
     };
     let finished = Finished {
         textures: vec![
@@ -310,11 +311,11 @@ pub fn enrich(conversion: &mut Conversion, alpha_mode: AlphaMode) {
     asset.images.extend([rough, glow]);
     let wrap = Wrap { s: WrapMode::MirroredRepeat, t: WrapMode::ClampToEdge };
     let transform = UvTransform { offset: Vec2::new(0.1, 0.2), rotation: 0.5, scale: Vec2::new(2.0, 1.5) };
-    let second = |image| Some(TextureRef { image, wrap, texcoord: 1, transform });
+    let second = |image| TextureRef { image, wrap, texcoord: 1, transform };
     let material = &mut asset.materials[0];
-    material.slots[Slot::MetallicRoughness as usize] = second(2);
-    material.slots[Slot::Occlusion as usize] = second(2);
-    material.slots[Slot::Emissive as usize] = second(3);
+    material.slots.insert(Slot::MetallicRoughness, second(2));
+    material.slots.insert(Slot::Occlusion, second(2));
+    material.slots.insert(Slot::Emissive, second(3));
     material.emissive_factor = Vec3::new(0.1, 0.05, 0.02);
     material.metallic_factor = 0.8;
     material.roughness_factor = 0.9;
