@@ -4,7 +4,7 @@ pub use libfuzzer_sys;
 use libfuzzer_sys::fuzzer_mutate;
 use meshcolor::asset::Asset;
 use meshcolor::error::ErrorCode;
-use meshcolor::read::{self, Limits, Upload};
+use meshcolor::read::{self, AttributeSource, Limits, Upload};
 use meshcolor::watch::Unwatched;
 
 const HEADER_BYTES: usize = 12;
@@ -31,7 +31,12 @@ pub fn upload(file: &[u8]) -> Upload {
 
 /// Reads a file. An internal error is a fault of the reader like a panic.
 pub fn read(file: &[u8]) -> Option<Asset> {
-    match read::read(&upload(file), &limits(), &Unwatched) {
+    read_with(&upload(file), &[])
+}
+
+/// The same with files beside the model.
+pub fn read_with(upload: &Upload, channels: &[AttributeSource]) -> Option<Asset> {
+    match read::read_with(upload, channels, &limits(), &Unwatched) {
         Ok(asset) => Some(asset),
         Err(error) => {
             assert_ne!(error.code, ErrorCode::Internal, "{error}");

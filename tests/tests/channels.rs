@@ -139,8 +139,10 @@ fn sheet(materials: &[&str], set: usize) -> Vec<u8> {
             attributes[format!("TEXCOORD_{own}")] = json!(gltf.floats("VEC2", numbers));
         }
         let indices = gltf.indices(&indices);
-        let material = numbers[usize::from(is_right) % numbers.len()];
-        gltf.primitive(json!({ "attributes": attributes, "indices": indices, "material": material }));
+        let primitive = gltf.primitive(json!({ "attributes": attributes, "indices": indices }));
+        if let Some(material) = numbers.get(usize::from(is_right) % numbers.len().max(1)) {
+            primitive["material"] = json!(material);
+        }
     }
     gltf.glb()
 }
@@ -388,6 +390,15 @@ fn materials_and_sets_are_named() {
     let channels = &asset.document.json["materials"][1]["extensions"]["MCT_mesh_color_texture"]["channels"];
     assert_eq!(channels.as_object().unwrap().len(), 3);
     assert_eq!(channels["rustTexture"], channels["wearTexture"]);
+}
+
+/// A model without a material gets one.
+#[test]
+fn faces_without_a_material_can_have_a_channel() {
+    let files = [("models/mask.png", rgba8())];
+    let conversion = converted(&upload(sheet(&[], 0), &files), &options(&[("channel", "mask=mask.png")]));
+    assert!(error(&conversion, "mask", share, &[0, 1, 2, 3]) < 0.02);
+    expect_sound("bare", &conversion);
 }
 
 /// A file of mesh colors has the channels too.

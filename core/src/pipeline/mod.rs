@@ -171,7 +171,7 @@ fn convert_materials(
     if prepared.is_empty() {
         let detail = format!(
             "the model has {} materials and none of them has both faces and something to convert: a texture in one of the five \
-             core slots, mesh colors, or vertex colors ({}); give it a textured material",
+             core slots, a channel, mesh colors, or vertex colors ({}); give it a textured material, or an image by `channel`",
             asset.materials.len(),
             vertex_colors::rule(options.vertex_colors)
         );

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::images::{self, Wanted};
 use super::text::quoted;
-use super::{Context, openexr};
+use super::{Context, bare, openexr};
 use crate::asset::{Asset, AttributeName, EncodedImage, Slot, TextureRef, UvTransform};
 use crate::error::{Error, ErrorCode, Result};
 use crate::image::{Image, Wrap};
@@ -14,7 +14,7 @@ use crate::watch;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AttributeSource {
     pub name: AttributeName,
-    /// By its name; `None`: all that have faces.
+    /// By its name; `None`: all that have faces, and faces without one get glTF's default.
     pub material: Option<String>,
     /// Relative to the model, as URIs in glTF are: PNG, JPEG, WebP, KTX2 or OpenEXR.
     pub file: String,
@@ -35,6 +35,10 @@ pub(super) fn add(asset: &mut Asset, wanted: &[AttributeSource], context: &mut C
         return Ok(());
     }
     let numbers = load(asset, wanted, context)?;
+    if wanted.iter().any(|source| source.material.is_none()) {
+        let Asset { document, meshes, materials, .. } = asset;
+        bare::give_material(&mut document.json, meshes, materials, |_| true)?;
+    }
     for (source, image) in wanted.iter().zip(numbers) {
         let materials = materials(asset, source)?;
         for material in materials {
@@ -113,9 +117,7 @@ fn materials(asset: &Asset, source: &AttributeSource) -> Result<Vec<usize>> {
         let found: Vec<usize> = all().map(|(number, _)| number).filter(|&number| has_faces(number)).collect();
         if found.is_empty() {
             let channel = source.name.as_str();
-            return Err(refused(format!(
-                "no face of the model has a material, which channel {channel} needs"
-            )));
+            return Err(refused(format!("the model has no face that channel {channel} could be on")));
         }
         return Ok(found);
     };

@@ -4,6 +4,7 @@
 
 mod archive;
 mod attributes;
+mod bare;
 mod basis;
 mod budget;
 mod container;

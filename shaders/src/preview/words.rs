@@ -135,10 +135,10 @@ fn stand_in(conversion: &Conversion) -> Option<String> {
     match (shown.is_empty(), hidden.is_empty()) {
         (true, true) => None,
         (true, false) => Some(format!("Channels that a material does not show are not drawn: {hidden}.")),
-        (false, true) => Some(format!("Drawn in place of a base color, which there is none of: {shown}.")),
-        (false, false) => Some(format!(
-            "Drawn in place of a base color, which there is none of: {shown}. Not drawn: {hidden}."
-        )),
+        (false, true) => Some(format!("There is no base color; drawn in its place: {shown}.")),
+        (false, false) => {
+            Some(format!("There is no base color; drawn in its place: {shown}. Not drawn: {hidden}."))
+        }
     }
 }
 

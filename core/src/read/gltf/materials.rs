@@ -30,7 +30,7 @@ pub(super) fn read(root: &At, warnings: &mut Warnings) -> Result<Vec<Material>> 
 }
 
 /// A material that says nothing.
-pub(super) fn blank() -> Result<Material> {
+pub(in crate::read) fn blank() -> Result<Material> {
     read_one(&At::root(&Value::Object(Map::new())), &[], &mut Warnings::default())
 }
 

@@ -3,7 +3,6 @@
 //! The order is that of trust: extensions and references first, then buffers, then what is made of them.
 
 mod accessors;
-mod bare;
 mod buffers;
 mod draco;
 mod extensions;
@@ -21,12 +20,13 @@ mod views;
 
 use serde_json::Value;
 
+pub(super) use materials::blank as blank_material;
 pub use primitives::TEXCOORD_SETS_MAX;
 
-use super::Context;
 use super::images;
 use super::json::{At, check_version};
-use crate::asset::{Asset, Document};
+use super::{Context, bare};
+use crate::asset::{Asset, Document, Primitive};
 use crate::error::Result;
 use crate::watch;
 
@@ -64,7 +64,7 @@ pub(super) fn read(mut json: Value, bin: Option<&[u8]>, context: &mut Context) -
         reference.image = decoded.canonical[reference.image];
     }
     drop(root);
-    bare::give_material(&mut json, &mut meshes, &mut materials)?;
+    bare::give_material(&mut json, &mut meshes, &mut materials, Primitive::has_vertex_colors)?;
     Ok(Asset {
         images: decoded.images,
         materials,

@@ -1,0 +1,4 @@
+//! PLY, in text and in bytes.
+#![no_main]
+
+meshcolor_fuzz::reads!();
