@@ -131,7 +131,7 @@ pub struct LevelReport {
     /// The same figures of the source with ordinary mip maps, at its level of this number.
     pub source: Option<SourceLevel>,
     /// How far the level is from the source's mean over the surface around a point. Absent at level 0,
-    /// which `fidelity` judges, and without a source.
+    /// which `fidelity` judges, and where the source is not known.
     #[serde(default)]
     pub mip_error: Option<MipError>,
 }
@@ -168,7 +168,8 @@ pub struct Figures {
     pub sample_count: u64,
 }
 
-/// Faithfulness at level 0, at random points of the surface.
+/// Faithfulness at level 0, at random points of the surface. Of mesh colors as a source against their samples as the reference
+/// filter reads them: linearly (MC 4.1).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fidelity {
     /// Decibels over 255 codes; 99 stands for "no difference". Degrees' root mean square for normals is
@@ -183,9 +184,11 @@ pub struct Fidelity {
     #[serde(default)]
     pub max: f64,
     /// What one bilinear resampling of the source onto a grid turned by 27° gives at as many texels. Vertex colors that multiply a
-    /// texture stay as they are.
-    pub yardstick_psnr_db: f64,
-    pub yardstick_rms: f64,
+    /// texture stay as they are. Absent where the source is mesh colors: it has no image to resample.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yardstick_psnr_db: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yardstick_rms: Option<f64>,
     pub point_count: u64,
 }
 
