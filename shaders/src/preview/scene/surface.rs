@@ -61,6 +61,8 @@ pub struct Surface {
     pub occlusion_strength: f32,
     pub alpha_mode: AlphaMode,
     pub double_sided: bool,
+    /// Number in `Scene::painted`: mesh colors instead of textures.
+    pub painted: Option<usize>,
     /// Whether the vertex colors multiply the base color: those that went into the converted one, on the source's side.
     pub is_tinted: bool,
 }
@@ -79,6 +81,7 @@ impl Surface {
             occlusion_strength: material.occlusion_strength,
             alpha_mode: material.alpha_mode,
             double_sided: material.double_sided,
+            painted: None,
             is_tinted: false,
         }
     }
