@@ -15,13 +15,16 @@ const CORNERS: usize = 8;
 const FACES: [[u32; 4]; 6] =
     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
 
+/// What a sample holds, by its place.
+type Value = fn(Vec3) -> Vec3;
+
 fn corner(number: usize) -> Vec3 {
     let at = |bit: usize| if number >> bit & 1 == 1 { 1.0 } else { -1.0 };
     Vec3::new(at(0), at(1), at(2))
 }
 
 /// A cube whose samples are a function of their place, in one channel.
-fn cube(slot: Slot, bits: u8, exponents: [u8; 2], value: &dyn Fn(Vec3) -> Vec3) -> Asset {
+fn cube(slot: Slot, bits: u8, exponents: [u8; 2], value: Value) -> Asset {
     let positions: Vec<Vec3> = (0..CORNERS).map(corner).collect();
     let normals = positions.iter().map(|position| position.normalize()).collect();
     let faces = FACES.map(Face::quad).to_vec();
@@ -97,12 +100,12 @@ fn spoil(finished: &mut Finished, level: usize, by: u8) {
 
 #[test]
 fn an_exact_conversion_has_next_to_no_error() {
-    let kinds: [(Slot, u8, &dyn Fn(Vec3) -> Vec3, f64); 4] = [
-        (Slot::BaseColor, 8, &smooth, 0.4),
-        (Slot::MetallicRoughness, 8, &smooth, 0.4),
-        (Slot::MetallicRoughness, 16, &smooth, 0.002),
+    let kinds: [(Slot, u8, Value, f64); 4] = [
+        (Slot::BaseColor, 8, smooth, 0.4),
+        (Slot::MetallicRoughness, 8, smooth, 0.4),
+        (Slot::MetallicRoughness, 16, smooth, 0.002),
         // Frames turn between texels, and with them what is stored there is mixed otherwise.
-        (Slot::Normal, 16, &leaning, 0.25),
+        (Slot::Normal, 16, leaning, 0.25),
     ];
     for (slot, bits, value, bound) in kinds {
         for exponents in [[4, 4], [5, 3]] {
@@ -123,7 +126,7 @@ fn an_exact_conversion_has_next_to_no_error() {
 
 #[test]
 fn spoiled_texels_are_found_at_their_level() {
-    let asset = cube(Slot::MetallicRoughness, 8, [4, 4], &smooth);
+    let asset = cube(Slot::MetallicRoughness, 8, [4, 4], smooth);
     let (finished, _) = finish(&asset, &exact());
     let whole = measured(&asset, &finished);
     let mut spoiled = finished.clone();
@@ -143,7 +146,7 @@ fn spoiled_texels_are_found_at_their_level() {
 /// Samples that are changed after the conversion are not what it shows.
 #[test]
 fn other_samples_are_another_source() {
-    for (slot, value) in [(Slot::BaseColor, &smooth as &dyn Fn(Vec3) -> Vec3), (Slot::Normal, &leaning)] {
+    for (slot, value) in [(Slot::BaseColor, smooth as Value), (Slot::Normal, leaning)] {
         let mut asset = cube(slot, 8, [4, 4], value);
         let (finished, _) = finish(&asset, &exact());
         let before = measured(&asset, &finished).fidelity.unwrap();
@@ -158,7 +161,7 @@ fn other_samples_are_another_source() {
 /// The references' levels are what a conversion stores, where it has nothing to change.
 #[test]
 fn levels_are_those_of_a_conversion() {
-    for (slot, value) in [(Slot::BaseColor, &smooth as &dyn Fn(Vec3) -> Vec3), (Slot::Normal, &leaning)] {
+    for (slot, value) in [(Slot::BaseColor, smooth as Value), (Slot::Normal, leaning)] {
         let asset = cube(slot, 16, [4, 3], value);
         let (finished, materials) = finish(&asset, &exact());
         let channel = &materials[0].channels[0];
