@@ -1,5 +1,6 @@
 //! What the black-box tests share.
 
+pub mod baked;
 pub mod cases;
 pub mod faces;
 pub mod gltf;

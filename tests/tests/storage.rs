@@ -64,7 +64,7 @@ fn a_dense_mesh_takes_at_most_half_as_much_again_as_its_small_texture() {
             texels.to_string(),
             format!("{of_source:.2}"),
             format!("{:.2}", texels as f64 / report.layouts[0].face_count as f64),
-            format!("{:.1} ({:.1})", fidelity.psnr_db, fidelity.yardstick_psnr_db),
+            format!("{:.1} ({:.1})", fidelity.psnr_db, fidelity.yardstick_psnr_db.unwrap()),
         ]
     };
     let heading = ["options", "texels, level 0", "of the source's", "a triangle", "base color"];

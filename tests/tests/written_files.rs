@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3, Vec4};
-use meshcolor::asset::{Asset, Slot};
+use meshcolor::asset::Asset;
 use meshcolor::finished::{
     Anchor, BlockClass, BlockTable, Coordinates, Finished, FinishedPrimitive, FinishedTexture,
     FinishedTriangle, Frame, PrimitiveCuts, TableLevel, extract,

@@ -2,17 +2,18 @@
 //!
 //! Every sum is made twice, over points of its own: what both differ by tells how far they are off.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{IVec2, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::cells::{self, Cells, Cut};
 use super::graph::Graph;
 use super::judge::{Meaning, axes, interpolated, tilt};
-use super::origin::Origin;
+use super::original::Original;
 use super::points::bits;
 use super::surface::Surface;
 use super::texels::Texels;
 use crate::finished::Frame;
+use crate::source::painted::PaintedChannel;
 
 /// Triangles handled in one go.
 const CHUNK: usize = 64;
@@ -28,14 +29,13 @@ const POINTS_MOST: f32 = 4.0;
 pub struct Averaged<'a> {
     pub graph: &'a Graph,
     pub surface: &'a Surface<'a>,
-    pub origin: &'a Origin<'a>,
-    pub texels: Texels<'a>,
+    pub original: Original<'a>,
 }
 
 /// The source on one triangle.
 pub struct OnTriangle<'a> {
-    texels: &'a Texels<'a>,
-    /// Of the corners, in texels.
+    content: Content<'a>,
+    /// Of the corners, in texels of an image, or in the unit domain of a face with mesh colors.
     places: [Vec2; 3],
     /// For normals: the frames of the corners, and the scale.
     frames: Option<(&'a [Frame; 3], f32)>,
@@ -43,36 +43,56 @@ pub struct OnTriangle<'a> {
     tints: Option<[Vec4; 3]>,
 }
 
+enum Content<'a> {
+    Image(Texels<'a>),
+    /// With the face.
+    Painted(&'a PaintedChannel<'a>, u32),
+}
+
 impl Averaged<'_> {
     /// By the triangle's number in the graph.
     pub fn on(&self, triangle: u32) -> OnTriangle<'_> {
         let (part, triangle) = self.graph.place(triangle);
         let vertices = self.surface.parts[part].triangles[triangle];
-        let size_texels = self.texels.size_texels();
-        let frames = match (self.origin.meaning, self.origin.corner_frames(part, triangle)) {
+        let frames = match (self.original.meaning(), self.original.corner_frames(part, triangle)) {
             (Meaning::Normal { scale }, Some(frames)) => Some((frames, scale)),
             _ => None,
         };
-        OnTriangle {
-            texels: &self.texels,
-            places: self.origin.corner_uvs(part, vertices).map(|uv| uv * size_texels),
-            frames,
-            tints: self.origin.corner_tints(part, vertices),
+        match self.original {
+            Original::Image(origin) => {
+                let texels = origin.texels(origin.image);
+                let size_texels = texels.size_texels();
+                OnTriangle {
+                    content: Content::Image(texels),
+                    places: origin.corner_uvs(part, vertices).map(|uv| uv * size_texels),
+                    frames,
+                    tints: origin.corner_tints(part, vertices),
+                }
+            }
+            Original::Painted(painted) => {
+                let place = painted.place(part, triangle);
+                let content = Content::Painted(painted.channel, place.face);
+                OnTriangle { content, places: place.corners, frames, tints: None }
+            }
         }
     }
 
     /// Whether color counts by how much of it is seen.
     pub fn weighs_by_alpha(&self) -> bool {
-        self.origin.meaning == Meaning::Color && matches!(self.origin.components, 2 | 4)
+        self.original.meaning() == Meaning::Color && matches!(self.original.components(), 2 | 4)
     }
 
     /// Both halves' sums in every cell, weighted by area.
     pub fn in_cells(&self, cells: &Cells) -> Vec<[Sums; 2]> {
         let cuts = cells.cuts();
-        // In the order of the image, so that its texels are still near when they are read again.
+        // In the order of the image, so that its texels are still near when they are read again; those of faces are near anyway.
         let mut order: Vec<u32> = (0..cuts.len() as u32).collect();
         order.sort_by_cached_key(|&number| {
-            let at = (self.on(cuts[number as usize].triangle).places[0] / TILE_TEXELS).as_ivec2();
+            let on = self.on(cuts[number as usize].triangle);
+            let at = match on.content {
+                Content::Image(_) => (on.places[0] / TILE_TEXELS).as_ivec2(),
+                Content::Painted(..) => IVec2::ZERO,
+            };
             (at.y, at.x, number)
         });
         let chunks: Vec<Vec<[Sums; 2]>> =
@@ -126,10 +146,21 @@ impl Averaged<'_> {
 impl OnTriangle<'_> {
     /// What is filtered; of a normal map what it adds to the mesh's own normal, in object space.
     pub fn value(&self, at: Vec3) -> Vec4 {
-        let value = self.texels.filtered(self.place(at));
+        let value = self.filtered(self.place(at));
         let Some((frames, scale)) = self.frames else { return value * self.tint(at) };
-        let ([right, up, out], tilt) = (axes(&interpolated(frames, at)), tilt(value, scale));
+        let [right, up, out] = axes(&interpolated(frames, at));
+        if let Content::Painted(..) = self.content {
+            return lean(value, out).extend(1.0);
+        }
+        let tilt = tilt(value, scale);
         (right * tilt.x + up * tilt.y + out * tilt.z).extend(1.0)
+    }
+
+    fn filtered(&self, place: Vec2) -> Vec4 {
+        match &self.content {
+            Content::Image(texels) => texels.filtered(place),
+            Content::Painted(channel, face) => channel.colors.linear(*face as usize, place, 0),
+        }
     }
 
     fn tint(&self, at: Vec3) -> Vec4 {
@@ -162,24 +193,31 @@ impl OnTriangle<'_> {
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         // One for the whole cell, as the frame is.
         let tint = self.tint(middle);
+        let turn = self.frames.map(|(frames, _)| axes(&interpolated(frames, middle)));
         let mut halves = [Sums::default(); 2];
         for (sums, places) in halves.iter_mut().zip(places.chunks(places.len() / 2)) {
             for &place in places {
-                let value = self.texels.filtered(place);
-                let value = match self.frames {
-                    Some((_, scale)) => tilt(value, scale).extend(1.0),
-                    None => value * tint,
+                let value = self.filtered(place);
+                let value = match (self.frames, turn, &self.content) {
+                    (Some(_), Some([_, _, out]), Content::Painted(..)) => lean(value, out).extend(1.0),
+                    (Some((_, scale)), ..) => tilt(value, scale).extend(1.0),
+                    _ => value * tint,
                 };
                 sums.add(value, weight, weighs_by_alpha);
             }
         }
-        let Some((frames, _)) = self.frames else { return halves };
-        let [right, up, out] = axes(&interpolated(frames, middle));
+        // Normals of mesh colors stand in the mesh's space already.
+        let (Some([right, up, out]), Content::Image(_)) = (turn, &self.content) else { return halves };
         halves.map(|half| Sums {
             sum: (right * half.sum.x + up * half.sum.y + out * half.sum.z).extend(half.sum.w),
             ..half
         })
     }
+}
+
+/// What a normal in the mesh's space adds to the mesh's own.
+fn lean(normal: Vec4, own: Vec3) -> Vec3 {
+    normal.truncate().normalize_or(own) - own
 }
 
 /// How many points each half has in an innermost cell.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::histogram::Histogram;
 use super::judge::{Meaning, degrees_between, interpolated, object_normal};
 use super::origin::Origin;
+use super::painted::PaintedOrigin;
 use super::points::SurfacePoint;
 use super::report::Fidelity;
 use super::seams::Converted;
@@ -61,14 +62,48 @@ pub fn fidelity(
     }
     let is_normal = matches!(origin.meaning, Meaning::Normal { .. });
     Some(Fidelity {
-        psnr_db: ours.psnr_db(),
-        rms: ours.rms(is_normal),
-        p99: ours.sizes.percentile(P99),
-        max: ours.sizes.max(),
-        yardstick_psnr_db: yardstick.psnr_db(),
-        yardstick_rms: yardstick.rms(is_normal),
-        point_count: points.len() as u64,
+        yardstick_psnr_db: Some(yardstick.psnr_db()),
+        yardstick_rms: Some(yardstick.rms(is_normal)),
+        ..ours.figures(is_normal, points)
     })
+}
+
+/// The same for mesh colors, which are held against their samples as the reference filter reads them. There is no
+/// yardstick: nothing of the source is an image.
+pub fn painted_fidelity(
+    painted: &PaintedOrigin<'_>,
+    converted: &Converted<'_>,
+    points: &[SurfacePoint],
+) -> Option<Fidelity> {
+    if points.is_empty() || converted.level_count() == 0 {
+        return None;
+    }
+    let levels: Vec<_> = (0..converted.surface.parts.len()).map(|part| converted.texels(part, 0)).collect();
+    let which = stored_components(painted.channel.components);
+    let errors = |points: &[SurfacePoint]| {
+        let mut errors = Errors::default();
+        for point in points {
+            let (number, triangle) = (point.part as usize, point.triangle as usize);
+            let part = &converted.surface.parts[number];
+            let wanted = painted.shown(number, triangle, point.at);
+            let ours = levels[number].bilinear(part.place_at(triangle, point.at, 0));
+            match painted.meaning {
+                Meaning::Normal { scale } => {
+                    let Some(frames) = part.frames().get(triangle) else { continue };
+                    let frame = interpolated(frames, point.at);
+                    // Samples that cancel out show the surface itself.
+                    let wanted = wanted.truncate().normalize_or(frame.normal.normalize_or(Vec3::Z));
+                    errors.add_normals(wanted, object_normal(ours, scale, &frame));
+                }
+                meaning => errors.add_codes(which, meaning.codes(wanted.to_array()), meaning.codes(ours)),
+            }
+        }
+        errors
+    };
+    let mut sum = Errors::default();
+    let chunks: Vec<Errors> = points.par_chunks(CHUNK).map(errors).collect();
+    chunks.iter().for_each(|chunk| sum.join(chunk));
+    Some(sum.figures(matches!(painted.meaning, Meaning::Normal { .. }), points))
 }
 
 struct Comparison<'a> {
@@ -155,6 +190,19 @@ impl Errors {
         self.code_count += other.code_count;
         self.squared_degrees += other.squared_degrees;
         self.normal_count += other.normal_count;
+    }
+
+    /// Without a yardstick.
+    fn figures(&self, is_normal: bool, points: &[SurfacePoint]) -> Fidelity {
+        Fidelity {
+            psnr_db: self.psnr_db(),
+            rms: self.rms(is_normal),
+            p99: self.sizes.percentile(P99),
+            max: self.sizes.max(),
+            yardstick_psnr_db: None,
+            yardstick_rms: None,
+            point_count: points.len() as u64,
+        }
     }
 
     fn psnr_db(&self) -> f64 {

@@ -13,7 +13,7 @@ use super::cell_sums::{Averaged, Sums};
 use super::cells::{Admitted, Cells};
 use super::graph::Graph;
 use super::judge::{Meaning, degrees_between, interpolated, object_normal};
-use super::origin::Origin;
+use super::original::Original;
 use super::points::SurfacePoint;
 use super::report::MipError;
 use super::seams::Converted;
@@ -47,16 +47,11 @@ impl Averages {
     /// The errors of levels 1, 2 …; `None` for a level at which no probe has an average.
     pub fn mip_errors(
         &self,
-        origin: &Origin<'_>,
+        original: Original<'_>,
         converted: &Converted<'_>,
         cut_flags: &[bool],
     ) -> Vec<Option<MipError>> {
-        let source = Averaged {
-            graph: &self.graph,
-            surface: converted.surface,
-            origin,
-            texels: origin.texels(origin.image),
-        };
+        let source = Averaged { graph: &self.graph, surface: converted.surface, original };
         let arounds = || self.probes.iter().flat_map(|probe| &probe.levels);
         let needs_cells = arounds().any(|around| around.samples.is_empty());
         let needs_components = arounds().any(|around| around.triangles.is_empty());
@@ -144,19 +139,19 @@ impl Comparison<'_> {
             .bilinear(part.place_at(triangle, point.at, level));
         let whole = halves[0] + halves[1];
         let mut components = [None; 4];
-        if let Meaning::Normal { scale } = self.source.origin.meaning {
+        if let Meaning::Normal { scale } = self.source.original.meaning() {
             let shown = object_normal(shown, scale, &interpolated(part.frames().get(triangle)?, point.at));
-            let own = self.source.origin.corner_frames(point.part as usize, triangle)?;
+            let own = self.source.original.corner_frames(point.part as usize, triangle)?;
             let bare = interpolated(own, point.at).normal.normalize_or_zero();
             let wanted = (bare + whole.mean().truncate()).try_normalize()?;
             let [a, b] = halves.map(|half| (bare + half.mean().truncate()).normalize_or(wanted));
             components[0] = Some((degrees_between(wanted, shown), 0.5 * degrees_between(a, b)));
             return Some(Compared { components });
         }
-        let codes = |mean: Vec4| Vec4::from(self.source.origin.meaning.codes(mean.to_array()));
-        let error = codes(whole.mean()) - Vec4::from(self.source.origin.meaning.codes(shown));
+        let codes = |mean: Vec4| Vec4::from(self.source.original.meaning().codes(mean.to_array()));
+        let error = codes(whole.mean()) - Vec4::from(self.source.original.meaning().codes(shown));
         let doubt = 0.5 * (codes(halves[0].mean()) - codes(halves[1].mean()));
-        for &component in stored_components(self.source.origin.components) {
+        for &component in stored_components(self.source.original.components()) {
             // What cannot be seen has no color.
             if component == 3 || whole.alpha() > NO_ALPHA {
                 components[component] = Some((error[component].abs(), doubt[component].abs()));

@@ -21,6 +21,8 @@ mod layout;
 mod mip_error;
 mod mips;
 mod origin;
+mod original;
+mod painted;
 mod points;
 pub mod report;
 mod seams;

@@ -1,9 +1,13 @@
 //! The report's types: what `report.json` holds. Everything in it is a function of input, options and
 //! version; times and memory stand in `run.json`.
 
+mod storing;
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::Warning;
+
+pub use storing::{SolverComponent, SolverReport, StoredReport};
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Report {
@@ -134,7 +138,7 @@ pub struct LevelReport {
     /// The same figures of the source with ordinary mip maps, at its level of this number.
     pub source: Option<SourceLevel>,
     /// How far the level is from the source's mean over the surface around a point. Absent at level 0,
-    /// which `fidelity` judges, and without a source.
+    /// which `fidelity` judges, and where the source is not known.
     #[serde(default)]
     pub mip_error: Option<MipError>,
 }
@@ -171,7 +175,8 @@ pub struct Figures {
     pub sample_count: u64,
 }
 
-/// Faithfulness at level 0, at random points of the surface.
+/// Faithfulness at level 0, at random points of the surface. Of mesh colors as a source against their samples as the reference
+/// filter reads them: linearly (MC 4.1).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Fidelity {
     /// Decibels over 255 codes; 99 stands for "no difference". Degrees' root mean square for normals is
@@ -186,72 +191,12 @@ pub struct Fidelity {
     #[serde(default)]
     pub max: f64,
     /// What one bilinear resampling of the source onto a grid turned by 27° gives at as many texels. Vertex colors that multiply a
-    /// texture stay as they are.
-    pub yardstick_psnr_db: f64,
-    pub yardstick_rms: f64,
+    /// texture stay as they are. Absent where the source is mesh colors: it has no image to resample.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yardstick_psnr_db: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yardstick_rms: Option<f64>,
     pub point_count: u64,
-}
-
-/// What the representability solver did on one level.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SolverReport {
-    pub level: u32,
-    /// Constrained texel components.
-    pub row_count: u64,
-    /// Of these, out of range before the solve.
-    pub violated_count: u64,
-    pub iteration_count: u64,
-    /// Largest violation that is left, linear values.
-    pub residual: f64,
-    /// Largest entry of the stationarity condition that is left (weights of mean 1).
-    #[serde(default)]
-    pub dual_residual: f64,
-    /// Largest mean product of slack and multiplier that is left.
-    #[serde(default)]
-    pub complementarity: f64,
-    /// Change of the samples, in codes.
-    pub change_mean_codes: f64,
-    #[serde(default)]
-    pub change_p95_codes: f64,
-    pub change_max_codes: f64,
-    /// Largest violation that the solver lets pass, linear values.
-    #[serde(default)]
-    pub tolerance: f64,
-    /// When it stopped, in words.
-    #[serde(default)]
-    pub stop_rule: String,
-    /// What was to be made least: squares of the samples' changes in linear values times their areas (mean
-    /// 1), summed. Of a sample that faces store differently, the version that was changed most.
-    #[serde(default)]
-    pub objective: f64,
-    /// The same figures by stored component; a normal's three are one.
-    #[serde(default)]
-    pub components: Vec<SolverComponent>,
-}
-
-/// What storing did to the samples of one level in a range of its own. What the solver did before is in
-/// [`SolverReport`]: there it is few samples that no range is wide enough for.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct StoredReport {
-    pub level: u32,
-    /// `scaled16` or `float16`.
-    pub range: String,
-    /// Change of the samples, as they are read back, in codes.
-    pub change_mean_codes: f64,
-    pub change_p95_codes: f64,
-    pub change_max_codes: f64,
-}
-
-/// One component of one level. Those that want the same values are solved once.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SolverComponent {
-    pub variable_count: u64,
-    pub violated_count: u64,
-    pub iteration_count: u64,
-    pub objective: f64,
-    pub residual: f64,
-    pub dual_residual: f64,
-    pub complementarity: f64,
 }
 
 /// A channel in blocks, beside what it was before. Levels that no format fits are left out.

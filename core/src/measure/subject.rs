@@ -3,11 +3,13 @@
 
 use std::collections::BTreeMap;
 
-use super::fidelity::{self, fidelity};
+use super::fidelity::{self, fidelity, painted_fidelity};
 use super::figures::weighted_mean;
 use super::focus::{self, Candidate, Focus};
 use super::mip_error::Averages;
 use super::origin::{Origin, SourceSeams, meaning};
+use super::original::Original;
+use super::painted::PaintedOrigin;
 use super::report::{
     ChannelReport, CutShare, Growth, LayoutReport, LevelReport, SolverReport, SourceLevel, StoredReport, Unit,
 };
@@ -20,6 +22,7 @@ use crate::asset::{Asset, Slot, TextureRef};
 use crate::error::{Error, Result};
 use crate::finished::Finished;
 use crate::image::Image;
+use crate::source::painted::PaintedSource;
 use crate::watch::{self, Watch};
 
 /// Levels of the source that a close-up names.
@@ -73,12 +76,18 @@ pub struct Measured {
     pub focus: Option<Focus>,
 }
 
-/// Measures a conversion beside the source that it came from.
+/// Measures a conversion beside the source that it came from; `painted`: the mesh colors of materials that have these.
 ///
 /// # Errors
-/// `Canceled`; `Internal` or `InvalidModel` where `finished` does not belong to `asset`.
-pub fn converted(asset: &Asset, finished: &Finished, extras: &Extras, watch: &dyn Watch) -> Result<Measured> {
-    Subject { asset, finished, extras, has_source: true, watch }.measured()
+/// `Canceled`; `Internal` or `InvalidModel` where `finished` or `painted` does not belong to `asset`.
+pub fn converted(
+    asset: &Asset,
+    finished: &Finished,
+    painted: &[PaintedSource<'_>],
+    extras: &Extras,
+    watch: &dyn Watch,
+) -> Result<Measured> {
+    Subject { asset, finished, painted, extras, has_source: true, watch }.measured()
 }
 
 /// Measures a converted file alone: `asset` is the file's own, whose textures are the converted ones.
@@ -86,12 +95,14 @@ pub fn converted(asset: &Asset, finished: &Finished, extras: &Extras, watch: &dy
 /// # Errors
 /// `Canceled`; `InvalidModel` where the coordinates do not fit the geometry.
 pub fn converted_file(asset: &Asset, finished: &Finished, watch: &dyn Watch) -> Result<Measured> {
-    Subject { asset, finished, extras: &Extras::default(), has_source: false, watch }.measured()
+    let extras = &Extras::default();
+    Subject { asset, finished, painted: &[], extras, has_source: false, watch }.measured()
 }
 
 struct Subject<'a> {
     asset: &'a Asset,
     finished: &'a Finished,
+    painted: &'a [PaintedSource<'a>],
     extras: &'a Extras,
     has_source: bool,
     watch: &'a dyn Watch,
@@ -157,6 +168,7 @@ impl Subject<'_> {
             true => Origin::new(self.asset, surface, slot, takes_colors)?,
             false => None,
         };
+        let painted = PaintedOrigin::new(self.asset, surface, slot, self.painted)?;
         let level_limit = own.level_count().max(FOCUS_LEVELS);
         self.watch.step(Some("source"));
         let source = match &origin {
@@ -171,12 +183,17 @@ impl Subject<'_> {
         channel.cuts = seams::cut_share(surface, seam, &cut_flags);
         self.watch.step(Some("seams"));
         channel.levels = self.levels(&converted, source.as_ref(), &cut_flags)?;
-        if let Some(origin) = &origin {
+        let original = origin.as_ref().map(Original::Image).or(painted.as_ref().map(Original::Painted));
+        if let Some(original) = original {
             self.watch.step(Some("fidelity"));
             let yardstick = (self.extras.yardstick, own.texel_count as usize);
-            channel.fidelity = fidelity(origin, &converted, shared.points, yardstick);
+            channel.fidelity = match original {
+                Original::Image(origin) => fidelity(origin, &converted, shared.points, yardstick),
+                Original::Painted(painted) => painted_fidelity(painted, &converted, shared.points),
+            };
             self.watch.step(Some("mip_error"));
-            let errors = shared.averages.map(|averages| averages.mip_errors(origin, &converted, &cut_flags));
+            let errors =
+                shared.averages.map(|averages| averages.mip_errors(original, &converted, &cut_flags));
             let beyond_first = channel.levels.iter_mut().skip(1);
             beyond_first.zip(errors.into_iter().flatten()).for_each(|(level, error)| level.mip_error = error);
         }

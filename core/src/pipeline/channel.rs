@@ -13,14 +13,14 @@ use crate::error::Result;
 use crate::image::{Image, LevelRange};
 use crate::layout::Layout;
 use crate::measure::{SolverReport, StoredReport};
-use crate::mip::{Beyond, Coarsener, MipFilter, Rungs, coverage, keep_coverage};
+use crate::mip::{Beyond, MipFilter, Rungs};
 use crate::resample::{Fit, Samples};
 use crate::solve::Solver;
 use crate::watch::{Stage, Watch};
 
-use super::bare_normals::{show, take_bare};
 use super::changes::Changes;
 use super::form::ChannelForm;
+use super::levels::{Levels, Rooms};
 use super::represent::{Task, represent};
 
 pub struct ChannelInput<'a> {
@@ -29,7 +29,7 @@ pub struct ChannelInput<'a> {
     pub layout: &'a Layout,
     pub cuts: Cuts,
     pub frames: Option<&'a NormalFrames>,
-    /// Of a masked material: keep the share of surface above this.
+    /// See [`Levels`].
     pub mask_cutoff: Option<f32>,
     pub mip: MipFilter,
     pub beyond: Beyond,
@@ -60,71 +60,29 @@ pub struct FinishedChannel {
     pub samples: Vec<Vec<Vec4>>,
 }
 
-/// Buffers for the samples of levels, which go from channel to channel: fresh memory costs as much as what is
-/// worked out in it.
-#[derive(Default)]
-pub struct Rooms {
-    /// For level 0, and for odd and even ones after it.
-    by_level: [Vec<Vec4>; 3],
-}
-
-impl Rooms {
-    pub fn take(&mut self, level: usize) -> Vec<Vec4> {
-        std::mem::take(self.of(level))
-    }
-
-    fn give_back(&mut self, level: usize, room: Vec<Vec4>) {
-        *self.of(level) = room;
-    }
-
-    fn of(&mut self, level: usize) -> &mut Vec<Vec4> {
-        &mut self.by_level[if level == 0 { 0 } else { 2 - level % 2 }]
-    }
-}
-
 /// Builds, solves and paints every level. `samples` and their `numbering` are those of level 0.
 pub fn finish_channel(
     input: ChannelInput<'_>,
-    mut numbering: LevelNumbering<'_>,
+    numbering: LevelNumbering<'_>,
     samples: Samples,
     rooms: &mut Rooms,
     watch: &dyn Watch,
 ) -> Result<FinishedChannel> {
     let mut finished = unfinished(&input, samples.fit);
-    let (canvas, topology) = (numbering.canvas, numbering.topology);
-    let mut values = samples.values;
-    if let Some(frames) = input.frames {
-        take_bare(&numbering, frames, &mut values);
-    }
-    let rungs =
-        Rungs { filter: input.mip, beyond: input.beyond, by_alpha: input.form.kind.is_alpha_weighted() };
-    let mut coarsener = Coarsener::new(rungs);
-    let mut wanted_coverage = 0.0;
-    for level in 0.. {
-        watch.stage(Stage::Mip);
-        // Before the solver touches this level's samples: those of the next come from what was wanted.
-        let mut next = None;
-        if level + 1 < input.layout.level_count() {
-            let coarse = LevelNumbering::new(canvas, topology, input.resolutions, level + 1);
-            let room = rooms.take(level + 1);
-            let coarse_values = coarsener.coarsen([&numbering, &coarse], &values, room, watch)?;
-            next = Some((coarse, coarse_values));
-        }
-        if let Some(frames) = input.frames {
-            show(&numbering, frames, &mut values);
-        }
-        if let Some(cutoff) = input.mask_cutoff {
-            if level == 0 {
-                wanted_coverage = coverage(&numbering, &values, cutoff, watch)?;
-            } else {
-                keep_coverage(&numbering, &mut values, (cutoff, wanted_coverage), watch)?;
-            }
-        }
-        let values_left = finish_level(&input, &numbering, values, &mut finished, watch)?;
-        rooms.give_back(level, values_left);
-        let Some(coarse) = next else { break };
-        (numbering, values) = coarse;
-    }
+    let levels = Levels {
+        resolutions: input.resolutions,
+        count: input.layout.level_count(),
+        rungs: Rungs {
+            filter: input.mip,
+            beyond: input.beyond,
+            by_alpha: input.form.kind.is_alpha_weighted(),
+        },
+        frames: input.frames,
+        mask_cutoff: input.mask_cutoff,
+    };
+    levels.each((numbering, samples.values), rooms, watch, |numbering, values| {
+        finish_level(&input, numbering, values, &mut finished, watch)
+    })?;
     finished.cuts = input.cuts;
     Ok(finished)
 }

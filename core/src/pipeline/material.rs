@@ -13,8 +13,9 @@ use crate::resample::{Samples, sample};
 use crate::watch::{Stage, Watch};
 
 use super::arrange::Arranged;
-use super::channel::{ChannelInput, FinishedChannel, Rooms, finish_channel};
+use super::channel::{ChannelInput, FinishedChannel, finish_channel};
 use super::form::ChannelForm;
+use super::levels::Rooms;
 use super::options::Options;
 use super::painted::stored;
 use super::prepare::{Content, Prepared};
@@ -98,7 +99,8 @@ fn given(content: &Content<'_>, canvas: &CanvasMesh, normals: &[[Vec3; 4]]) -> V
     }
 }
 
-fn mask_cutoff(asset: &Asset, form: &ChannelForm) -> Option<f32> {
+/// What [`super::levels::Levels`] keep the coverage of.
+pub fn mask_cutoff(asset: &Asset, form: &ChannelForm) -> Option<f32> {
     match asset.materials[form.material].alpha_mode {
         AlphaMode::Mask(cutoff) if form.kind.is_alpha_weighted() => Some(cutoff),
         _ => None,

@@ -9,11 +9,13 @@ mod channel;
 mod compression;
 pub(crate) mod form;
 mod group;
+mod levels;
 mod material;
 pub mod options;
 pub(crate) mod painted;
 pub(crate) mod prepare;
 mod progress;
+pub mod reference;
 mod report;
 mod represent;
 #[cfg(test)]
@@ -47,6 +49,7 @@ use assemble::assemble;
 use group::{groups, sets};
 use material::{MaterialConversion, convert_material};
 use progress::Progress;
+use reference::{Reference, with_filters};
 
 /// Shares of the whole journey; writing has the rest.
 const READ_SHARE: f32 = 0.05;
@@ -124,7 +127,10 @@ pub fn convert_read(asset: &Asset, options: &Options, limits: &Limits, watch: &d
     let finished = Finished { vertex_colors: takers, ..assemble(asset, &mut materials, &groups) };
     watch.stage(Stage::Measure);
     let extras = report::extras(&materials, &groups);
-    let measured = measure::converted(asset, &finished, &extras, watch)?;
+    let references = Reference::finest(asset, watch)?;
+    let measured =
+        with_filters(&references, |painted| measure::converted(asset, &finished, painted, &extras, watch))??;
+    drop(references);
     progress.part(1.0);
     progress.advance(MEASURE_SHARE);
     let blocks = compression::compress(asset, &finished, &measured.channels, options, watch)?;

@@ -114,7 +114,7 @@ pub fn canvas_of(asset: &Asset, material: usize) -> CanvasMesh {
 }
 
 /// By face and corner.
-fn normals_of(asset: &Asset, canvas: &CanvasMesh) -> Vec<[Vec3; 4]> {
+pub fn normals_of(asset: &Asset, canvas: &CanvasMesh) -> Vec<[Vec3; 4]> {
     let of_face = |face: &CanvasFace| {
         let of_drawn = |drawn: &Drawn| {
             let primitive = &asset.meshes[face.mesh as usize].primitives[drawn.primitive as usize];

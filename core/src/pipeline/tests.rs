@@ -1,6 +1,7 @@
 //! Invariants of the whole conversion, on random meshes with random textures: the worst that a source can be.
 
 mod filters;
+mod reference;
 
 use std::collections::HashMap;
 

@@ -1,6 +1,7 @@
 //! A color at a surface point: what the model showed before the conversion.
 
 mod kinks;
+pub mod painted;
 mod reader;
 mod repeated;
 pub mod tangents;

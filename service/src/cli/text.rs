@@ -182,6 +182,7 @@ pub(super) fn sample_report() -> Report {
             material_name: "wood\x1b[31m".into(),
             slots: vec!["baseColorTexture".into()],
             unit: Unit::Codes,
+            value_scale: None,
             components: 3,
             bits: 8,
             cuts: CutShare { seam_edge_count: 12, ..CutShare::default() },

@@ -1,7 +1,8 @@
 //! The seam-check sheet: source, converted and their difference, side by side, as one PNG.
 //!
 //! The scene is prepared once (`scene`) and drawn by a GPU (`gpu`) or, where there is none, by the CPU
-//! (`cpu`) with the same filters and the same light. `page` lays the pictures out.
+//! (`cpu`) with the same filters and the same light. Where the source has mesh colors the CPU draws always, since it has
+//! the filters of mesh colors themselves. `page` lays the pictures out.
 
 mod cpu;
 mod gpu;
@@ -13,18 +14,25 @@ mod shade;
 mod tests;
 mod words;
 
-use meshcolor::pipeline::{Conversion, Focus};
+use meshcolor::Error;
+use meshcolor::pipeline::reference::{Reference, with_filters};
+use meshcolor::pipeline::{Conversion, Focus, Options};
+use meshcolor::source::painted::PaintedSource;
+use meshcolor::watch::Unwatched;
 
 use self::cpu::CpuRenderer;
 use self::gpu::{GpuRenderer, NoGpu};
 use self::page::{Arrows, Page, Row};
 use self::picture::{Picture, Renderer};
 use self::scene::surface::Side;
-use self::scene::views::{View, close_up, whole};
+use self::scene::views::{View, close_up, painted_close_up, whole};
 use self::scene::{Scene, Shot, Subject};
-use self::words::{model_name, notes, row_words, subtitle};
+use self::words::{model_name, notes, row_words, source_words, subtitle};
 
 const NO_ADAPTER: &str = "no Vulkan adapter found; Debian: apt-get install mesa-vulkan-drivers";
+
+/// Both columns: two renderers fill single pixels at edges otherwise, by more than the columns differ.
+const FOR_MESH_COLORS: &str = "CPU renderer (the source is mesh colors)";
 
 /// A finished sheet.
 #[derive(Clone, Debug)]
@@ -62,7 +70,25 @@ pub fn sheet(conversion: &Conversion) -> Result<Sheet, PreviewError> {
 /// # Errors
 /// See [`PreviewError`].
 pub fn sheet_titled(conversion: &Conversion, title: &str) -> Result<Sheet, PreviewError> {
-    let scene = Scene::new(&conversion.asset, &conversion.finished)?;
+    let references = references(conversion).map_err(inconsistent)?;
+    with_filters(&references, |painted| drawn(conversion, painted, title)).map_err(inconsistent)?
+}
+
+/// The mesh colors of the source, at the levels of its conversion.
+fn references(conversion: &Conversion) -> Result<Vec<Reference>, Error> {
+    let options = Options::from_json(&conversion.report.options)?;
+    Reference::beside(&conversion.asset, &conversion.finished, &options, &Unwatched)
+}
+
+fn inconsistent(error: Error) -> PreviewError {
+    PreviewError::Inconsistent(error.to_string())
+}
+
+fn drawn(conversion: &Conversion, painted: &[PaintedSource<'_>], title: &str) -> Result<Sheet, PreviewError> {
+    let scene = Scene::new(&conversion.asset, &conversion.finished, painted)?;
+    if !scene.painted.is_empty() {
+        return compose(conversion, &scene, title, &mut CpuRenderer { label: FOR_MESH_COLORS.to_owned() });
+    }
     let reason = match GpuRenderer::open() {
         Ok(mut gpu) => match compose(conversion, &scene, title, &mut gpu) {
             // The sheet is a by-product: a driver's fault must not cost it, but the sheet says so.
@@ -84,14 +110,20 @@ fn compose(
     renderer: &mut dyn Renderer,
 ) -> Result<Sheet, PreviewError> {
     let focus = conversion.focus.as_ref();
-    let close_up = focus.and_then(|focus| close_up(scene, focus));
+    let close_up = focus.and_then(|focus| close_up(scene, focus)).or_else(|| painted_close_up(scene));
     let notes = notes(conversion, scene, close_up.is_some());
     let mut rows = draw(scene, &whole(scene, focus), focus, renderer)?;
     if let Some(view) = close_up {
         rows.extend(draw(scene, &view, focus, renderer)?);
     }
-    let page =
-        Page { title: title.to_owned(), subtitle: subtitle(scene), renderer: renderer.label(), rows, notes };
+    let page = Page {
+        title: title.to_owned(),
+        subtitle: subtitle(scene),
+        renderer: renderer.label(),
+        source: source_words(scene),
+        rows,
+        notes,
+    };
     Ok(Sheet { png: page::png(&page)?, renderer: page.renderer })
 }
 
@@ -111,6 +143,7 @@ fn draw(
             size: view.size,
             filter,
             look: view.look,
+            painted: scene.painted,
         };
         view.filters.iter().map(|filter| renderer.draw(&scene.textures, &shot(*filter))).collect()
     };

@@ -1,5 +1,6 @@
 //! The sheet as a whole, and the two renderers against each other.
 
+mod painted;
 mod sample;
 
 use meshcolor::asset::{AlphaMode, Attribute, Slot};
@@ -7,6 +8,7 @@ use meshcolor::finished::{Anchor, Finished, FinishedPrimitive};
 use meshcolor::image::Pixels;
 
 use super::picture::differences;
+use super::scene::geometry::Batch;
 use super::scene::surface::Look;
 use super::scene::{Filter, Subject};
 use super::*;
@@ -23,7 +25,7 @@ fn cpu() -> CpuRenderer {
 }
 
 fn on_cpu(conversion: &Conversion) -> Sheet {
-    let scene = Scene::new(&conversion.asset, &conversion.finished).expect("it is consistent");
+    let scene = Scene::new(&conversion.asset, &conversion.finished, &[]).expect("it is consistent");
     compose(conversion, &scene, "ball", &mut cpu()).expect("it is drawn")
 }
 
@@ -47,14 +49,18 @@ fn the_cpu_draws_the_same_bytes_with_any_number_of_threads() {
     assert!(sheets[0].png == sheets[1].png);
 }
 
+fn shot<'a>(view: &View, batches: &'a [Batch], filter: Filter) -> Shot<'a> {
+    Shot { batches, camera: view.camera, size: view.size, filter, look: view.look, painted: &[] }
+}
+
 /// Both sides of the seam's close-up at a level, on the CPU.
 fn seam_pictures(conversion: &Conversion, level: u32) -> [Picture; 2] {
-    let scene = Scene::new(&conversion.asset, &conversion.finished).expect("it is consistent");
+    let scene = Scene::new(&conversion.asset, &conversion.finished, &[]).expect("it is consistent");
     let view = close_up(&scene, conversion.focus.as_ref().expect("it has one")).expect("it is in range");
     [Side::Source, Side::Converted].map(|side| {
         let batches = scene.batches(view.subject, &view.camera, side, view.look);
         let filter = Filter::Level(level);
-        let shot = Shot { batches: &batches, camera: view.camera, size: view.size, filter, look: view.look };
+        let shot = shot(&view, &batches, filter);
         cpu().draw(&scene.textures, &shot).expect("the CPU draws")
     })
 }
@@ -139,7 +145,7 @@ fn compare(name: &str, conversion: &Conversion) {
         Err(NoGpu::NoAdapter) => return println!("skipped: {name} (no Vulkan adapter)"),
         Err(NoGpu::Refused(reason)) => panic!("{reason}"),
     };
-    let scene = Scene::new(&conversion.asset, &conversion.finished).expect("it is consistent");
+    let scene = Scene::new(&conversion.asset, &conversion.finished, &[]).expect("it is consistent");
     let focus = conversion.focus.as_ref();
     let mut views = vec![whole(&scene, focus)];
     views.extend(focus.and_then(|focus| close_up(&scene, focus)));
@@ -154,8 +160,7 @@ fn compare(name: &str, conversion: &Conversion) {
         for side in [Side::Source, Side::Converted] {
             let batches = scene.batches(view.subject, &view.camera, side, view.look);
             for filter in view.filters.iter().copied() {
-                let shot =
-                    Shot { batches: &batches, camera: view.camera, size: view.size, filter, look: view.look };
+                let shot = shot(view, &batches, filter);
                 let drawn = gpu.draw(&scene.textures, &shot).expect("the adapter draws");
                 let expected = cpu().draw(&scene.textures, &shot).expect("the CPU draws");
                 let what = format!("{name}, view {number}, {side:?}, {filter:?}, {:?}", view.look);
@@ -259,7 +264,7 @@ fn an_unconverted_asset_without_focus_still_has_a_sheet() {
     let mut conversion = sample::ball();
     conversion.finished = Finished::default();
     conversion.focus = None;
-    let scene = Scene::new(&conversion.asset, &conversion.finished).expect("it is consistent");
+    let scene = Scene::new(&conversion.asset, &conversion.finished, &[]).expect("it is consistent");
     let view = whole(&scene, None);
     assert_eq!(view.subject, Subject::World);
     keep("unconverted.png", &on_cpu(&conversion));
@@ -290,10 +295,11 @@ fn a_model_of_any_size_and_place_is_framed() {
 }
 
 fn whole_on_cpu(conversion: &Conversion) -> Picture {
-    let scene = Scene::new(&conversion.asset, &conversion.finished).expect("it is consistent");
+    let scene = Scene::new(&conversion.asset, &conversion.finished, &[]).expect("it is consistent");
     let View { subject, camera, size, look, .. } = whole(&scene, None);
     let batches = scene.batches(subject, &camera, Side::Converted, look);
-    let shot = Shot { batches: &batches, camera, size, filter: Filter::Trilinear, look };
+    let shot =
+        Shot { batches: &batches, camera, size, filter: Filter::Trilinear, look, painted: scene.painted };
     cpu().draw(&scene.textures, &shot).expect("the CPU draws")
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use meshcolor::asset::Slot;
+use meshcolor::asset::{Material, Slot};
 use meshcolor::pipeline::{Conversion, Focus};
 use serde_json::Value;
 
@@ -58,6 +58,20 @@ fn grouped(count: usize) -> String {
     out
 }
 
+/// What the source's column shows, for its heading.
+pub fn source_words(scene: &Scene<'_>) -> &'static str {
+    let is_painted = |material| scene.painted.iter().any(|source| source.material == material);
+    let is_pictured = |(number, material): (usize, &Material)| {
+        !is_painted(number) && Slot::CORE.iter().any(|slot| material.slot(*slot).is_some())
+    };
+    let has_pictures = scene.asset().materials.iter().enumerate().any(is_pictured);
+    match (scene.painted.is_empty(), has_pictures) {
+        (true, _) => "ordinary mip maps",
+        (false, true) => "mesh colors, mip maps elsewhere",
+        (false, false) => "mesh colors, filtered as they are",
+    }
+}
+
 /// A row's title and detail.
 pub fn row_words(view: &View, filter: Filter, focus: Option<&Focus>) -> (String, String) {
     let title = match (view.subject, filter) {
@@ -74,6 +88,7 @@ pub fn row_words(view: &View, filter: Filter, focus: Option<&Focus>) -> (String,
             format!("{look}, trilinear filtering; the arrows point to the seam below")
         }
         Filter::Trilinear => format!("{look}, trilinear filtering"),
+        Filter::Level(_) if view.mark.is_none() => format!("where the source's colors vary most; {look}"),
         Filter::Level(level) => {
             let jump = focus.and_then(|focus| focus.source_jumps_codes.get(level as usize));
             let jump = jump.filter(|jump| jump.is_finite() && **jump > 0.0);
@@ -110,12 +125,14 @@ pub fn notes(conversion: &Conversion, scene: &Scene<'_>, has_close_up: bool) -> 
         notes.push("The default scene has no triangles to draw.".to_owned());
     }
     notes.extend(stand_in(conversion));
-    if conversion.asset.materials.iter().any(|material| material.mesh_colors.is_some()) {
+    if !scene.painted.is_empty() {
         notes.push(
-            "The source has mesh colors and no pictures of them: its column shows the material without them."
+            "The source is mesh colors: its column is their samples as their own filters read them, linear in a level and mip-mapped \
+             between levels."
                 .to_owned(),
         );
-    } else if !has_close_up {
+    }
+    if !has_close_up && scene.painted.is_empty() {
         notes.push(
             "No close-up: the source has no seam whose two sides agree at level 0 and part in its mip maps."
                 .to_owned(),

@@ -2,6 +2,7 @@ use super::*;
 use crate::asset::Slot;
 use crate::measure::averages;
 use crate::measure::hand_made::{finished, image, square, surface_of};
+use crate::measure::origin::Origin;
 
 #[test]
 fn cells_hold_the_mean_of_the_source_by_area() {
@@ -12,8 +13,7 @@ fn cells_hold_the_mean_of_the_source_by_area() {
     let graph = Graph::new(&surface);
     let cells = averages::cells(&surface, &graph, 0);
     let origin = Origin::new(&asset, &surface, Slot::Occlusion, false).unwrap().unwrap();
-    let texels = origin.texels(origin.image);
-    let source = Averaged { graph: &graph, surface: &surface, origin: &origin, texels };
+    let source = Averaged { graph: &graph, surface: &surface, original: Original::Image(&origin) };
     let in_cells = source.in_cells(&cells);
     let [a, b] = in_cells[0];
     assert!((a.weight - 1.0).abs() < 1e-3 && (b.weight - 1.0).abs() < 1e-3);

@@ -3,7 +3,7 @@ use crate::asset::{Asset, Slot};
 use crate::finished::Finished;
 use crate::image::Image;
 use crate::measure::hand_made::{code_mut, finished, finished_by_triangle, image, square, surface_of};
-use crate::measure::origin::meaning;
+use crate::measure::origin::{Origin, meaning};
 
 const CUT: [bool; 1] = [true];
 const JOINED: [bool; 1] = [false];
@@ -13,7 +13,7 @@ fn errors(slot: Slot, asset: &Asset, conversion: &Finished, cut_flags: &[bool]) 
     let origin = Origin::new(asset, &surface, slot, false).unwrap().unwrap();
     let converted = Converted::new(&surface, vec![&conversion.textures[0]], meaning(asset, 0, slot)).unwrap();
     let averages = Averages::new(&surface, 0, 256, 3);
-    let found = averages.mip_errors(&origin, &converted, cut_flags);
+    let found = averages.mip_errors(Original::Image(&origin), &converted, cut_flags);
     found.into_iter().map(|error| error.unwrap()).collect()
 }
 

@@ -97,7 +97,7 @@ pub fn figures_of(report: &Report) -> Figures {
             material: channel.material,
             slots: channel.slots.clone(),
             psnr_db: fidelity.psnr_db,
-            yardstick_psnr_db: fidelity.yardstick_psnr_db,
+            yardstick_psnr_db: fidelity.yardstick_psnr_db?,
         })
     });
     Figures {

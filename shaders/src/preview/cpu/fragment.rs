@@ -2,7 +2,9 @@
 
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 use meshcolor::asset::{AlphaMode, Slot};
+use meshcolor::filter::Footprint;
 use meshcolor::math::transfer::srgb_to_linear;
+use meshcolor::source::painted::PaintedSource;
 
 use super::raster::Weights;
 use super::sample::{sample_mesh_colors, sample_mip_maps};
@@ -20,10 +22,13 @@ pub const ABSENT: f32 = 0.03;
 /// Where a fragment lies in its triangle.
 pub struct Fragment<'a> {
     pub batch: &'a Batch,
+    /// Number of the triangle in its batch.
+    pub triangle: usize,
     pub corners: [&'a [f32]; 3],
     pub is_front: bool,
     pub weights: Weights,
     pub textures: &'a [Texture<'a>],
+    pub painted: &'a [PaintedSource<'a>],
     pub filter: Filter,
 }
 
@@ -38,6 +43,9 @@ impl Fragment<'_> {
 
     /// The filtered value of a slot; `None` where the surface has no texture there.
     fn sample(&self, slot: Slot) -> Option<Vec4> {
+        if let Some(source) = self.batch.surface.painted {
+            return self.sample_painted(&self.painted[source], slot);
+        }
         let binding = self.batch.surface.binding(slot)?;
         let texture = &self.textures[binding.texture];
         let Weights { at, dx, dy } = self.weights;
@@ -58,6 +66,19 @@ impl Fragment<'_> {
         }
     }
 
+    /// What the filters of mesh colors make of a slot's samples; `None` where there are none for it.
+    fn sample_painted(&self, source: &PaintedSource<'_>, slot: Slot) -> Option<Vec4> {
+        let slot = if slot == Slot::BaseColor { self.batch.surface.base } else { slot };
+        let (colors, place) = (&source.channel(slot)?.colors, self.batch.layout.painted?);
+        let face = self.batch.painted.face(self.triangle);
+        let Weights { at, dx, dy } = self.weights;
+        let [at, dx, dy] = [at, dx, dy].map(|weights| Vec2::from_array(self.mix(place, weights)));
+        Some(match self.filter {
+            Filter::Level(level) => colors.linear(face, at, level as usize),
+            Filter::Trilinear => colors.mip_mapped(face, at, Footprint { axes: [dx, dy] }),
+        })
+    }
+
     /// The same by mesh coordinate, which stands at `place` of a record; `changes` are those of its first half.
     fn sample_mesh(&self, texture: &Texture<'_>, coordinate: Vec4, changes: [Vec2; 2], place: usize) -> Vec4 {
         let [dx, dy] = changes;
@@ -76,7 +97,13 @@ impl Fragment<'_> {
     fn normal(&self) -> Vec3 {
         let facing = if self.is_front { 1.0 } else { -1.0 };
         let normal = Vec3::from_array(self.mix(NORMAL_AT, self.weights.at)).normalize_or(Vec3::Z);
-        let (Some(stored), Some(place)) = (self.sample(Slot::Normal), self.batch.layout.tangent) else {
+        let stored = self.sample(Slot::Normal);
+        if let (Some(_), Some(stored)) = (self.batch.surface.painted, stored) {
+            // In the mesh's space, and shorter where samples part; where they cancel out the surface shows.
+            let stored = stored.truncate().try_normalize();
+            return facing * stored.map_or(normal, |stored| self.batch.painted.normal(self.triangle, stored));
+        }
+        let (Some(stored), Some(place)) = (stored, self.batch.layout.tangent) else {
             return normal * facing;
         };
         let tangent = Vec4::from_array(self.mix(place, self.weights.at));

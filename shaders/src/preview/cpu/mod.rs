@@ -124,10 +124,12 @@ impl Band {
         }
         let fragment = Fragment {
             batch,
+            triangle: number,
             corners: batch.triangle(number),
             is_front: triangle.is_front,
             weights: weights(triangle, corner + 0.5, covered.0 / covered.1),
             textures,
+            painted: shot.painted,
             filter: shot.filter,
         };
         let Some(color) = fragment.color(shot.look) else { return };

@@ -41,6 +41,10 @@ impl Renderer for GpuRenderer {
     }
 
     fn draw(&mut self, textures: &[Texture<'_>], shot: &Shot<'_>) -> Result<Picture, PreviewError> {
+        if shot.batches.iter().any(|batch| batch.surface.painted.is_some()) {
+            // Whoever chooses renderers draws these on the CPU.
+            return Err(self.gpu.failure("mesh colors themselves have no filter here".to_owned()));
+        }
         for binding in shot.batches.iter().flat_map(|batch| batch.surface.bindings.iter().flatten()) {
             self.textures.upload(&self.gpu, textures, binding)?;
         }

@@ -13,6 +13,8 @@ pub struct Page {
     pub title: String,
     pub subtitle: String,
     pub renderer: String,
+    /// What the source's column shows.
+    pub source: &'static str,
     pub rows: Vec<Row>,
     /// What the reader must know about what is not shown; one line each.
     pub notes: Vec<String>,
@@ -121,7 +123,7 @@ impl Sheet<'_> {
         self.words_right([right, 91], &renderer, BODY);
         self.canvas.fill(Area { left: MARGIN, top: 108, width: right - MARGIN, height: 1 }, RULE);
         let columns = [
-            ("SOURCE", "ordinary mip maps"),
+            ("SOURCE", page.source),
             ("CONVERTED", "mesh color texture"),
             ("DIFFERENCE ×4", "largest component"),
         ];

@@ -8,6 +8,7 @@ use meshcolor::asset::{Primitive, Slot};
 use meshcolor::finished::{Anchor, FinishedPrimitive, faces_of};
 use meshcolor::source::tangents;
 
+use super::painted::{PaintedPrimitive, PaintedTriangles};
 use super::surface::{Coordinate, Surface};
 use crate::twins::indexed::MctBlockTable;
 
@@ -24,6 +25,8 @@ pub struct RecordLayout {
     pub mesh: Option<usize>,
     /// Linear color with alpha, 4 floats.
     pub color: Option<usize>,
+    /// The place in a face with mesh colors, 2 floats.
+    pub painted: Option<usize>,
 }
 
 pub const NORMAL_AT: usize = 3;
@@ -40,7 +43,8 @@ impl RecordLayout {
         let uv = take(2 * uv_set_count);
         let mesh = surface.uses_mesh_coordinates().then(|| take(4));
         let color = surface.is_tinted.then(|| take(4));
-        Self { stride, tangent, uv, uv_set_count, mesh, color }
+        let painted = surface.painted.map(|_| take(2));
+        Self { stride, tangent, uv, uv_set_count, mesh, color, painted }
     }
 }
 
@@ -50,6 +54,8 @@ pub struct Batch {
     pub layout: RecordLayout,
     /// Of indexed coordinates.
     pub table: Option<Arc<MctBlockTable>>,
+    /// Of a source with mesh colors.
+    pub painted: PaintedTriangles,
     /// `3 * triangle_count` records. Fronts are counterclockwise.
     pub records: Vec<f32>,
 }
@@ -76,6 +82,8 @@ pub struct BatchInput<'a> {
     pub finished: Option<&'a FinishedPrimitive>,
     /// The table of those, where they are indexed.
     pub table: Option<Arc<MctBlockTable>>,
+    /// Of a source with mesh colors.
+    pub painted: Option<PaintedPrimitive<'a>>,
     pub surface: Surface,
     /// Mesh space to view space.
     pub to_view: DAffine3,
@@ -102,6 +110,11 @@ pub fn batch(input: BatchInput<'_>) -> Batch {
     let frames = Frames::new(&input, &layout, &triangles);
     let colors = layout.color.and_then(|_| input.primitive.vertex_colors());
     let turn = Turn::new(input.to_view.matrix3);
+    let places = input.painted.map(|painted| painted.places(input.primitive)).unwrap_or_default();
+    let mut painted = PaintedTriangles::default();
+    if input.painted.is_some() {
+        painted.begin(input.to_view.matrix3);
+    }
     let order = if turn.mirrors { [0, 2, 1] } else { [0, 1, 2] };
     let mut records = Vec::new();
     for (number, vertices) in triangles.iter().enumerate() {
@@ -109,6 +122,8 @@ pub fn batch(input: BatchInput<'_>) -> Batch {
         if !input.keep.is_none_or(|keep| touches(&at, keep)) {
             continue;
         }
+        let place = places.get(number).copied().flatten();
+        place.iter().for_each(|place| painted.add(place));
         for corner in order {
             records.extend_from_slice(&at[corner].as_vec3().to_array());
             records.extend_from_slice(&turn.normal(frames.normal(number, corner)).to_array());
@@ -132,10 +147,14 @@ pub fn batch(input: BatchInput<'_>) -> Batch {
                 let color = colors.as_ref().map_or(Vec4::ONE, |colors| colors[vertices[corner] as usize]);
                 records.extend_from_slice(&color.to_array());
             }
+            if layout.painted.is_some() {
+                let at = place.map_or(Vec2::ZERO, |place| place.corners[corner]);
+                records.extend_from_slice(&at.to_array());
+            }
         }
     }
     let table = input.table.filter(|_| layout.mesh.is_some());
-    Batch { surface: input.surface, layout, table, records }
+    Batch { surface: input.surface, layout, table, painted, records }
 }
 
 fn touches(corners: &[DVec3; 3], [low, high]: [DVec3; 2]) -> bool {

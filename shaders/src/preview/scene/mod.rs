@@ -2,8 +2,10 @@
 
 pub mod camera;
 pub mod check;
+mod contrast;
 pub mod geometry;
 mod mips;
+pub mod painted;
 pub mod surface;
 pub mod texture;
 pub mod views;
@@ -14,9 +16,11 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use meshcolor::asset::{AlphaMode, Asset, Instance};
 use meshcolor::finished::{Coordinates, Finished, FinishedPrimitive};
+use meshcolor::source::painted::PaintedSource;
 
 use self::camera::Camera;
 use self::geometry::{Batch, BatchInput, batch};
+use self::painted::PaintedPrimitive;
 use self::surface::{Look, Side, Surface};
 use self::texture::{Texture, TextureList};
 use super::PreviewError;
@@ -38,6 +42,8 @@ pub struct Shot<'a> {
     pub size: [u32; 2],
     pub filter: Filter,
     pub look: Look,
+    /// What batches of a source with mesh colors read.
+    pub painted: &'a [PaintedSource<'a>],
 }
 
 /// Which part of the asset stands before the camera.
@@ -57,6 +63,8 @@ pub struct Scene<'a> {
     asset: &'a Asset,
     finished: &'a Finished,
     pub textures: Vec<Texture<'a>>,
+    /// The mesh colors of the source's materials that have some.
+    pub painted: &'a [PaintedSource<'a>],
     source: Surfaces,
     converted: Surfaces,
     /// By mesh and primitive: its pieces, one for each part of its material that it has faces in.
@@ -76,9 +84,14 @@ type BatchKey = (Option<usize>, usize, bool);
 
 impl<'a> Scene<'a> {
     /// # Errors
-    /// `Inconsistent` where an index of `finished` points past the asset.
-    pub fn new(asset: &'a Asset, finished: &'a Finished) -> Result<Self, PreviewError> {
+    /// `Inconsistent` where an index of `finished` points past the asset, or `painted` is not the asset's.
+    pub fn new(
+        asset: &'a Asset,
+        finished: &'a Finished,
+        painted: &'a [PaintedSource<'a>],
+    ) -> Result<Self, PreviewError> {
         check::check(asset, finished)?;
+        painted::check(asset, painted)?;
         let mut list = TextureList::new(asset, finished);
         let (mut source, mut converted) = (Surfaces::new(), Surfaces::new());
         for mesh in &asset.meshes {
@@ -86,6 +99,7 @@ impl<'a> Scene<'a> {
                 let material = primitive.material;
                 source.entry((material, 0)).or_insert_with(|| Surface {
                     is_tinted: material.is_some_and(|own| finished.vertex_colors.contains(&own)),
+                    painted: painted.iter().position(|source| Some(source.material) == material),
                     ..Surface::new(&mut list, asset, finished, None, material)
                 });
             }
@@ -102,6 +116,7 @@ impl<'a> Scene<'a> {
             asset,
             finished,
             textures: list.textures,
+            painted,
             source,
             converted,
             converted_primitives,
@@ -131,7 +146,10 @@ impl<'a> Scene<'a> {
             for number in 0..self.asset.meshes[mesh].primitives.len() {
                 for (key, batch) in self.batches_of((mesh, number), Placed { to_view, keep }, side, look) {
                     match numbers.get(&key) {
-                        Some(known) => merged[*known].records.extend(batch.records),
+                        Some(known) => {
+                            merged[*known].records.extend(batch.records);
+                            merged[*known].painted.extend(batch.painted);
+                        }
                         None => {
                             numbers.insert(key, merged.len());
                             merged.push(batch);
@@ -183,7 +201,9 @@ impl<'a> Scene<'a> {
         let surface = surfaces.get(&(material, part))?.reduced(look);
         let Placed { to_view, keep } = placed;
         let table = finished.and_then(|piece| self.tables.get(&(piece.material, piece.part))).cloned();
-        let batch = batch(BatchInput { primitive, finished, table, surface, to_view, keep });
+        let source = surface.painted.map(|own| &self.painted[own]);
+        let painted = source.map(|source| PaintedPrimitive { source, place: [mesh, number] });
+        let batch = batch(BatchInput { primitive, finished, table, painted, surface, to_view, keep });
         (batch.triangle_count() > 0).then_some(((material, part, finished.is_some()), batch))
     }
 

@@ -52,6 +52,8 @@ pub struct UvSet {
 pub struct Surface {
     /// Indexed as [`Slot::CORE`]; in the base color's place what [`base_of`] says.
     pub bindings: [Option<Binding>; 5],
+    /// The slot that is drawn as base color.
+    pub base: Slot,
     pub uv_sets: Vec<UvSet>,
     pub base_color_factor: Vec4,
     pub metallic_factor: f32,
@@ -61,6 +63,8 @@ pub struct Surface {
     pub occlusion_strength: f32,
     pub alpha_mode: AlphaMode,
     pub double_sided: bool,
+    /// Number in `Scene::painted`: mesh colors instead of textures.
+    pub painted: Option<usize>,
     /// Whether the vertex colors multiply the base color: those that went into the converted one, on the source's side.
     pub is_tinted: bool,
 }
@@ -70,6 +74,7 @@ impl Surface {
     fn plain(material: &Material) -> Self {
         Self {
             bindings: [None; 5],
+            base: Slot::BaseColor,
             uv_sets: Vec::new(),
             base_color_factor: material.base_color_factor,
             metallic_factor: material.metallic_factor,
@@ -79,6 +84,7 @@ impl Surface {
             occlusion_strength: material.occlusion_strength,
             alpha_mode: material.alpha_mode,
             double_sided: material.double_sided,
+            painted: None,
             is_tinted: false,
         }
     }
@@ -95,12 +101,9 @@ impl Surface {
         let Some(index) = material else { return Self::plain(&default_material()) };
         let material = &asset.materials[index];
         let mut surface = Self::plain(material);
-        let base = base_of(asset, finished, index);
-        if base != Slot::BaseColor {
-            surface.show_data();
-        }
+        surface.show(base_of(asset, finished, index));
         for (place, slot) in Slot::CORE.into_iter().enumerate() {
-            let slot = if slot == Slot::BaseColor { base } else { slot };
+            let slot = if slot == Slot::BaseColor { surface.base } else { slot };
             let converted = part.and_then(|part| {
                 finished.textures.iter().position(|t| t.is_of(index, part) && t.slots.contains(&slot))
             });
@@ -118,8 +121,12 @@ impl Surface {
         surface
     }
 
-    /// A dull surface of the color that its texture has.
-    fn show_data(&mut self) {
+    /// Draws a slot as base color: data on a dull surface, without a factor.
+    fn show(&mut self, base: Slot) {
+        self.base = base;
+        if base == Slot::BaseColor {
+            return;
+        }
         (self.base_color_factor, self.metallic_factor, self.roughness_factor) = (Vec4::ONE, 0.0, 1.0);
     }
 

@@ -5,6 +5,7 @@ use meshcolor::asset::Slot;
 use meshcolor::pipeline::Focus;
 
 use super::camera::{Camera, CloseUp, extent, fit, three_quarter};
+use super::contrast::most_varied;
 use super::geometry::Turn;
 use super::surface::{Look, base_of};
 use super::{Filter, Scene, Subject};
@@ -29,6 +30,8 @@ const CLOSE_UP_HEIGHT: u32 = 300;
 /// a coarse level does cannot be seen on a short edge.
 const FRAME_EDGES: f64 = 5.0;
 const FRAME_TEXELS: f64 = 72.0;
+/// The same for a triangle that is looked at as a whole, in its shortest edges.
+const FRAME_EDGES_OF_TRIANGLE: f64 = 2.0;
 
 /// The whole asset, three quarters, from the side on which the seam is if there is one.
 pub fn whole(scene: &Scene<'_>, focus: Option<&Focus>) -> View {
@@ -71,6 +74,10 @@ fn mark(scene: &Scene<'_>, focus: &Focus, camera: &Camera, size: [u32; 2]) -> Op
 /// The surroundings of the worst seam, one channel unlit, at up to three levels. `None` where the focus
 /// points past the conversion.
 pub fn close_up(scene: &Scene<'_>, focus: &Focus) -> Option<View> {
+    framed(scene, focus, FRAME_EDGES)
+}
+
+fn framed(scene: &Scene<'_>, focus: &Focus, frame_edges: f64) -> Option<View> {
     let texture = scene.finished().textures.get(focus.texture)?;
     let slot = texture.slots.first().copied().unwrap_or(Slot::BaseColor);
     let is_shown = |&own: &usize| base_of(scene.asset(), scene.finished(), own) == slot;
@@ -83,7 +90,7 @@ pub fn close_up(scene: &Scene<'_>, focus: &Focus) -> Option<View> {
         position: focus.position.as_dvec3(),
         normal: focus.normal.as_dvec3(),
         seam: seam_direction(focus),
-        half_height: half_height(scene, focus),
+        half_height: half_height(scene, focus, frame_edges),
         aspect,
     };
     Some(View {
@@ -94,6 +101,12 @@ pub fn close_up(scene: &Scene<'_>, focus: &Focus) -> Option<View> {
         filters: forced_levels(texture.levels.len()).into_iter().map(Filter::Level).collect(),
         mark: Some([PICTURE_WIDTH as f32 / 2.0, CLOSE_UP_HEIGHT as f32 / 2.0]),
     })
+}
+
+/// The same without a seam, for a source with mesh colors: where these vary most. `None` where it has none that vary.
+pub fn painted_close_up(scene: &Scene<'_>) -> Option<View> {
+    let view = framed(scene, &most_varied(scene)?, FRAME_EDGES_OF_TRIANGLE)?;
+    Some(View { mark: None, ..view })
 }
 
 /// Along the edge, upwards in the world where it can be.
@@ -118,9 +131,9 @@ fn forced_levels(level_count: usize) -> Vec<u32> {
     levels.into_iter().map(|level| level as u32).collect()
 }
 
-fn half_height(scene: &Scene<'_>, focus: &Focus) -> f64 {
+fn half_height(scene: &Scene<'_>, focus: &Focus, frame_edges: f64) -> f64 {
     let edge_length = focus.ends[0].as_dvec3().distance(focus.ends[1].as_dvec3());
-    let by_edge = edge_length * FRAME_EDGES / 2.0;
+    let by_edge = edge_length * frame_edges / 2.0;
     let by_texels = texels_per_unit(scene, focus).map_or(0.0, |density| FRAME_TEXELS / density / 2.0);
     let positions = scene.asset().meshes[focus.mesh].primitives.iter().flat_map(|p| &p.positions);
     let (low, high) = positions.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), position| {

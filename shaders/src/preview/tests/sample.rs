@@ -38,8 +38,13 @@ fn place(patch: usize, at: Vec2) -> Vec3 {
     (out + right * at.x + up * at.y).normalize()
 }
 
+/// A place on the ball, in the unit square of one of its quads.
+pub fn on_ball(quad: usize, at: Vec2) -> Vec3 {
+    place(quad / (QUADS * QUADS), quad_corner(quad % (QUADS * QUADS)) + at * 2.0 / QUADS as f32)
+}
+
 /// Linear color, with waves shorter than `blur` faded out.
-fn color(p: Vec3, blur: f32) -> Vec3 {
+pub fn color(p: Vec3, blur: f32) -> Vec3 {
     let wave = |direction: Vec3, pitch: f32| {
         (p.dot(direction.normalize()) * pitch).sin() * (-(pitch * blur) * (pitch * blur)).exp()
     };
@@ -50,7 +55,7 @@ fn color(p: Vec3, blur: f32) -> Vec3 {
     (cool.lerp(warm, 0.5 + 0.28 * coarse) * (1.0 + 0.35 * fine)).clamp(Vec3::splat(0.01), Vec3::splat(0.95))
 }
 
-fn object_normal(p: Vec3) -> Vec3 {
+pub fn object_normal(p: Vec3) -> Vec3 {
     let dent = Vec3::new((p.y * 17.0).sin(), (p.z * 19.0).sin(), (p.x * 23.0).sin()) * 0.16;
     (p + dent - p * dent.dot(p)).normalize()
 }

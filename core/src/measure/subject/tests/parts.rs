@@ -37,7 +37,10 @@ fn parts_are_judged_as_the_whole() {
         let [of_one, of_both] = [one, both].map(|channel| channel.fidelity.unwrap());
         assert_eq!(of_both.point_count, of_one.point_count);
         assert_eq!((of_both.psnr_db, of_both.max), (of_one.psnr_db, of_one.max));
-        assert!(of_both.yardstick_psnr_db > of_one.yardstick_psnr_db + 1.0, "{of_both:?} {of_one:?}");
+        assert!(
+            of_both.yardstick_psnr_db.unwrap() > of_one.yardstick_psnr_db.unwrap() + 1.0,
+            "{of_both:?} {of_one:?}"
+        );
         assert_eq!(parts.focus.unwrap().position, whole.focus.unwrap().position);
         // 19 texels of each are read.
         let texels =
@@ -82,7 +85,7 @@ fn parts_that_contradict_each_other_are_refused() {
     for (change, rule) in changes {
         let mut finished = sound.clone();
         change(&mut finished);
-        let error = converted(&asset, &finished, &Extras::default(), &Unwatched).unwrap_err();
+        let error = converted(&asset, &finished, &[], &Extras::default(), &Unwatched).unwrap_err();
         assert!(error.detail.contains(rule), "{error}");
     }
 }
@@ -113,7 +116,7 @@ fn materials_that_share_textures_are_judged_each_with_its_share() {
     let (asset, finished) = shared_by_two();
     let counts = |material: usize| SampleCounts { material, part: 0, levels: vec![15, 6, 3] };
     let extras = Extras { sample_counts: vec![counts(0), counts(1)], ..Extras::default() };
-    let result = converted(&asset, &finished, &extras, &Unwatched).unwrap();
+    let result = converted(&asset, &finished, &[], &extras, &Unwatched).unwrap();
     let [layout] = &result.layouts[..] else { panic!("one set") };
     assert_eq!((layout.material, &layout.materials[..], layout.face_count), (0, &[0, 1][..], 2));
     assert_eq!((layout.levels[0].allocated_texels, layout.levels[0].efficiency), (50, Some(30.0 / 50.0)));
@@ -127,6 +130,6 @@ fn materials_that_share_textures_are_judged_each_with_its_share() {
     assert_eq!([texels(0), texels(1)], [25, 25]);
     // What is not known of one of them is not known of both.
     let extras = Extras { sample_counts: vec![counts(0)], ..Extras::default() };
-    let result = converted(&asset, &finished, &extras, &Unwatched).unwrap();
+    let result = converted(&asset, &finished, &[], &extras, &Unwatched).unwrap();
     assert_eq!(result.layouts[0].levels[0].efficiency, None);
 }
