@@ -12,6 +12,7 @@ mod models;
 mod mutations;
 mod ngons;
 mod obj;
+mod openexr;
 mod ply;
 mod primitives;
 mod ptex;
