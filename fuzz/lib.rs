@@ -1,5 +1,7 @@
 //! What the fuzz targets share: whole files go through the public reader with small limits, and a mutator that knows GLB.
 
+pub mod ptex;
+
 pub use libfuzzer_sys;
 use libfuzzer_sys::fuzzer_mutate;
 use meshcolor::asset::Asset;
