@@ -1,12 +1,17 @@
 //! OpenEXR images of attributes: numbers of any size, gray or with up to four components.
 //!
-//! Format: <https://openexr.com/en/latest/OpenEXRFileLayout.html>. Read by the `exr` library, after sizes were checked.
+//! Format: <https://openexr.com/en/latest/OpenEXRFileLayout.html>. Blocks are unpacked by the `exr` library, after sizes
+//! were checked; what a block says of its place is checked here.
 
 use std::io::Cursor;
 
+use exr::block::chunk::CompressedBlock;
+use exr::block::reader::ChunksReader;
+use exr::block::{self, UncompressedBlock};
 use exr::meta::MetaData;
+use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
-use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, SampleType, Vec2, read};
+use exr::prelude::{Vec2, f16};
 
 use super::Limits;
 use super::images::check_size;
@@ -106,28 +111,107 @@ fn placement(names: &[String]) -> Result<&'static [usize]> {
 /// # Errors
 /// `InvalidModel` where the file is broken or holds what is not a number within ±2^100.
 pub(super) fn decode(bytes: &[u8]) -> Result<Image> {
-    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
-    let image = reader.all_attributes().non_parallel().from_buffered(Cursor::new(bytes)).map_err(broken)?;
-    let Vec2(width, height) = image.layer_data.size;
-    let channels = &image.layer_data.channel_data.list;
-    let names: Vec<String> = channels.iter().map(|channel| channel.name.to_string()).collect();
-    let places = placement(&names)?;
-    let is_pair = places.len() == 2 && names != ["A", "Y"];
-    let components = if is_pair { 3 } else { places.len() };
-    let mut values = vec![0.0f32; width * height * components];
-    for (channel, &place) in channels.iter().zip(places) {
-        let texels = values.iter_mut().skip(place).step_by(components);
-        match &channel.sample_data {
-            FlatSamples::F16(samples) => texels.zip(samples).for_each(|(to, value)| *to = value.to_f32()),
-            FlatSamples::F32(samples) => texels.zip(samples).for_each(|(to, value)| *to = *value),
-            FlatSamples::U32(_) => return Err(Error::invalid("the OpenEXR file holds whole numbers")),
+    let mut chunks =
+        block::read(Cursor::new(bytes), false).and_then(|reader| reader.all_chunks(false)).map_err(broken)?;
+    let meta = chunks.meta_data().clone();
+    let [header] = meta.headers.as_slice() else { return Err(Error::internal("an unchecked OpenEXR file")) };
+    let mut canvas = Canvas::new(header)?;
+    while let Some(chunk) = chunks.read_next_chunk() {
+        let chunk = chunk.map_err(broken)?;
+        // Whatever the table of chunks says, coarser levels are not wanted.
+        let is_finest = match &chunk.compressed_block {
+            CompressedBlock::Tile(tile) => tile.coordinates.is_largest_resolution_level(),
+            _ => true,
+        };
+        if is_finest {
+            canvas.put(UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(broken)?)?;
         }
     }
-    let scale = scale_of(&values, width * components)?;
-    values.iter_mut().for_each(|value| *value /= scale);
-    let pixels = Pixels::F32(Values { values, bits: 16, texels_per_painted: 1, scale: Some(scale) });
-    let side = |side: usize| u32::try_from(side).map_err(|_| Error::invalid("the OpenEXR file is too large"));
-    Ok(Image { width: side(width)?, height: side(height)?, components: components as u8, pixels })
+    canvas.image()
+}
+
+/// Numbers on their way to an image.
+struct Canvas<'a> {
+    header: &'a Header,
+    places: &'static [usize],
+    components: usize,
+    values: Vec<f32>,
+    /// By texel: how many of its channels have come.
+    counts: Vec<u8>,
+}
+
+impl<'a> Canvas<'a> {
+    fn new(header: &'a Header) -> Result<Self> {
+        let names: Vec<String> =
+            header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+        let places = placement(&names)?;
+        let is_pair = places.len() == 2 && names != ["A", "Y"];
+        let components = if is_pair { 3 } else { places.len() };
+        let texel_count = header.layer_size.area();
+        Ok(Self {
+            header,
+            places,
+            components,
+            values: vec![0.0; texel_count * components],
+            counts: vec![0; texel_count],
+        })
+    }
+
+    /// Copies a block whose place and length nobody has checked.
+    fn put(&mut self, block: UncompressedBlock) -> Result<()> {
+        let lie = || Error::invalid("the OpenEXR file has a block that is not within the image");
+        let (Vec2(x, y), Vec2(width, height)) = (block.index.pixel_position, block.index.pixel_size);
+        let Vec2(columns, rows) = self.header.layer_size;
+        let is_inside =
+            |from: usize, size: usize, end: usize| from.checked_add(size).is_some_and(|to| to <= end);
+        let channels = &self.header.channels.list;
+        let texel_bytes: usize = channels.iter().map(|channel| channel.sample_type.bytes_per_sample()).sum();
+        if !is_inside(x, width, columns)
+            || !is_inside(y, height, rows)
+            || block.data.len() != width * height * texel_bytes
+        {
+            return Err(lie());
+        }
+        let mut rest = block.data.as_slice();
+        for row in y..y + height {
+            for (channel, place) in channels.iter().zip(self.places) {
+                let sample_bytes = channel.sample_type.bytes_per_sample();
+                let (line, after) = rest.split_at(width * sample_bytes);
+                rest = after;
+                for (texel, sample) in (row * columns + x..).zip(line.chunks_exact(sample_bytes)) {
+                    // In the machine's own order of bytes.
+                    self.values[texel * self.components + place] = match *sample {
+                        [a, b] => f16::from_ne_bytes([a, b]).to_f32(),
+                        [a, b, c, d] => f32::from_ne_bytes([a, b, c, d]),
+                        _ => return Err(lie()),
+                    };
+                    self.counts[texel] = self.counts[texel].saturating_add(1);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn image(mut self) -> Result<Image> {
+        let Vec2(width, height) = self.header.layer_size;
+        if let Some(texel) = self.counts.iter().position(|count| usize::from(*count) != self.places.len()) {
+            return Err(Error::invalid(format!(
+                "the OpenEXR file has not exactly one value for each pixel: row {} from the top has others",
+                texel / width.max(1)
+            )));
+        }
+        let scale = scale_of(&self.values, width * self.components)?;
+        self.values.iter_mut().for_each(|value| *value /= scale);
+        let values = Values { values: self.values, bits: 16, texels_per_painted: 1, scale: Some(scale) };
+        let side =
+            |side: usize| u32::try_from(side).map_err(|_| Error::invalid("the OpenEXR file is too large"));
+        Ok(Image {
+            width: side(width)?,
+            height: side(height)?,
+            components: self.components as u8,
+            pixels: Pixels::F32(values),
+        })
+    }
 }
 
 /// The least power of two that is not under any number's size, or under 2^-100.
