@@ -8,9 +8,10 @@ use exr::prelude::{
 };
 use glam::{Vec2, Vec3, Vec4};
 use meshcolor::asset::{AttributeName, Slot};
+use meshcolor::edit::{self, ResolutionChange, Scheme, Selection};
 use meshcolor::finished::FinishedTexture;
 use meshcolor::image::{LevelRange, Pixels};
-use meshcolor::pipeline::{Conversion, Options, check, convert};
+use meshcolor::pipeline::{Conversion, MipFilter, Options, check, convert};
 use meshcolor::read::{Limits, Upload, read};
 use meshcolor::watch::Unwatched;
 use meshcolor_tests::baked::{Depth, gray16, number, openexr, rgba8, share, sheet, upload};
@@ -284,6 +285,27 @@ fn mesh_colors_of_channels_convert_to_the_same_file() {
         validator::expect_valid("mesh colors", file(&first, "mesh_colors.glb"), true);
         let again = converted(&painted, &options(&[("coordinates", coordinates)]));
         assert!(file(&again, "asset.glb") == file(&first, "asset.glb"), "{coordinates}");
+    }
+}
+
+#[test]
+fn edits_keep_the_size_of_numbers() {
+    let upload =
+        upload(sheet(&["clay"], 0), &[("models/light.exr", openexr(&["R", "G", "B"], Depth::Float))]);
+    let list = [("channel", "light=light.exr"), ("mesh-colors", "true"), ("resolution", "area:4")];
+    let first = converted(&upload, &options(&list));
+    let painted = Upload::single("mesh_colors.glb", file(&first, "mesh_colors.glb").to_vec());
+    let painted = read(&painted, &Limits::default(), &Unwatched).unwrap();
+    let finer = ResolutionChange { by: 1, filter: MipFilter::Area };
+    let limits = Limits::default();
+    for edited in [
+        edit::resolution(&painted, &Selection::default(), finer, &limits, &Unwatched),
+        edit::subdivide(&painted, Scheme::Midpoint, &limits, &Unwatched),
+    ] {
+        let edited = Upload::single("edited.glb", edited.unwrap().glb);
+        let again = converted(&edited, &Options::default());
+        assert_eq!(texture(&again, "light").value_scale, Some(32.0));
+        assert!(error(&again, "light", number, &[0, 1, 2]) < NUMBER_TOLERANCE);
     }
 }
 

@@ -24,7 +24,8 @@ use super::{MeshColors, Slot};
 ///   Decoded are the images that a slot of a material reads, and the levels of a converted texture; any
 ///   other image is one black texel here (its file is in `Document::encoded_images`). Where several
 ///   images of the document are the same file, `TextureRef::image` is the first of them, and the others
-///   are one texel too unless they are levels.
+///   are one texel too unless they are levels. Behind those of the document stand the images of attributes that
+///   were asked for beside it.
 #[derive(Clone, Debug, Default)]
 pub struct Asset {
     pub document: Document,

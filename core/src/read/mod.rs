@@ -1,4 +1,5 @@
-//! Bytes to [`Asset`]: glTF 2.0 (`.glb`, `.gltf` with its files, zip), OBJ with MTL and Ptex, and PLY.
+//! Bytes to [`Asset`]: glTF 2.0 (`.glb`, `.gltf` with its files, zip), OBJ with MTL and Ptex, and PLY; further images as
+//! attributes of materials.
 //!
 //! Every URI is resolved here, inside the upload alone; sizes are checked before anything is allocated.
 
