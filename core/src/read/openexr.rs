@@ -8,9 +8,9 @@ use std::io::Cursor;
 use exr::block::chunk::CompressedBlock;
 use exr::block::reader::ChunksReader;
 use exr::block::{self, UncompressedBlock};
-use exr::meta::MetaData;
 use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
+use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{Vec2, f16};
 
 use super::Limits;
@@ -20,6 +20,8 @@ use crate::asset::VALUE_SCALES;
 use crate::error::{Error, Result};
 use crate::image::{Image, Pixels, Values};
 
+/// A tile may always have as many texels, however small the image is.
+const TILE_TEXELS_LEAST: usize = 1 << 18;
 const MARK: [u8; 4] = [0x76, 0x2F, 0x31, 0x01];
 
 /// Components by the names of channels as files have them, which is in alphabetical order; and where each goes.
@@ -71,6 +73,15 @@ fn check(header: &Header) -> Result<()> {
             "the OpenEXR file's data window is not its display window, so texture coordinates have no certain meaning; crop or \
              fill it",
         ));
+    }
+    if let BlockDescription::Tiles(tiles) = header.blocks {
+        // Memory for a tile is taken before it is clipped to the image.
+        let Vec2(width, height) = tiles.tile_size;
+        if width.saturating_mul(height) > header.layer_size.area().max(TILE_TEXELS_LEAST) {
+            return Err(Error::invalid(format!(
+                "the OpenEXR file has tiles of {width}x{height}, which is more than its image; write it with smaller ones"
+            )));
+        }
     }
     let channels = &header.channels.list;
     placement(&channels.iter().map(|channel| channel.name.to_string()).collect::<Vec<_>>())?;

@@ -17,6 +17,8 @@ use crate::read::{AttributeSource, read_with};
 const B44_WRAPS: &[u8] = include_bytes!("openexr/b44_wraps.exr");
 /// 8 by 8, bent by a fuzzer: a tile of a level that the image does not have.
 const TILE_OF_NO_LEVEL: &[u8] = include_bytes!("openexr/tile_of_no_level.exr");
+/// 8 by 8, bent by a fuzzer: tiles of 65 602 by 65 536.
+const HUGE_TILE: &[u8] = include_bytes!("openexr/huge_tile.exr");
 const SIDE: usize = 12;
 const TRIANGLE: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
 
@@ -137,6 +139,8 @@ fn what_fuzzing_found_is_no_panic() {
     let _ = read_channel(B44_WRAPS);
     let error = read_channel(TILE_OF_NO_LEVEL).unwrap_err();
     assert!(error.detail.contains("not exactly one value for each pixel"), "{error}");
+    let error = read_channel(HUGE_TILE).unwrap_err();
+    assert!(error.detail.contains("has tiles of "), "{error}");
     let good = written(layer(&["R", "G", "B", "A"], Encoding::SMALL_LOSSLESS, halves));
     for end in 0..good.len() {
         assert!(read_channel(&good[..end]).is_err(), "{end}");
