@@ -3,6 +3,8 @@
 //! Format: <https://openexr.com/en/latest/OpenEXRFileLayout.html>. Blocks are unpacked by the `exr` library, after sizes
 //! were checked; what a block says of its place is checked here.
 
+mod blocks;
+
 use std::io::Cursor;
 
 use exr::block::chunk::CompressedBlock;
@@ -135,6 +137,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image> {
             _ => true,
         };
         if is_finest {
+            blocks::check(&chunk.compressed_block, header)?;
             canvas.put(UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(broken)?)?;
         }
     }
