@@ -5,6 +5,9 @@ use crate::asset::Slot;
 use crate::image::{Image, Pixels};
 
 const EXTENSION: &str = "EXT_texture_webp";
+/// [`gradient`] by cwebp 1.2.4 at quality 90, without its alpha and with it.
+const LOSSY: &[u8] = include_bytes!("webp/lossy.webp");
+const LOSSY_ALPHA: &[u8] = include_bytes!("webp/lossy_alpha.webp");
 
 fn picture() -> image::RgbImage {
     image::RgbImage::from_fn(13, 7, |x, y| image::Rgb([x as u8 * 19, y as u8 * 31, (x * y) as u8]))
@@ -73,6 +76,29 @@ fn a_texture_reads_the_image_of_its_extension() {
     gltf.refused(ErrorCode::InvalidModel, &format!("/textures/0/extensions/{EXTENSION}/source"));
     gltf.json["textures"][0]["extensions"][EXTENSION] = json!({});
     gltf.refused(ErrorCode::InvalidModel, &format!("/textures/0/extensions/{EXTENSION}"));
+}
+
+/// Of 24 by 16 texels.
+fn gradient(x: usize, y: usize) -> [u8; 4] {
+    [40 + 8 * x, 200 - 8 * y, 60 + 2 * x + 4 * y, 17 * y].map(|code| code as u8)
+}
+
+/// Colors are stored by their brightness, with a hue for four of them; alpha has no loss.
+#[test]
+fn lossy_images_are_near_what_was_packed() {
+    for (file, components) in [(LOSSY, 3), (LOSSY_ALPHA, 4)] {
+        let asset = model(file).read().unwrap();
+        let image = &asset.images[0];
+        assert_eq!((image.size(), image.components), ([24, 16], components));
+        let Pixels::U8(codes) = &image.pixels else { panic!("codes") };
+        for (place, texel) in codes.chunks(usize::from(components)).enumerate() {
+            let expected = gradient(place % 24, place / 24);
+            for (component, code) in texel.iter().enumerate() {
+                let most = if component == 3 { 0 } else { 12 };
+                assert!(code.abs_diff(expected[component]) <= most, "{place}: {texel:?}, not {expected:?}");
+            }
+        }
+    }
 }
 
 #[test]
