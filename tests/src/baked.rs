@@ -73,14 +73,19 @@ pub fn openexr(names: &[&str], depth: Depth) -> Vec<u8> {
         };
         AnyChannel::new(*name, samples)
     };
-    let channels: SmallVec<_> = names.iter().enumerate().map(channel).collect();
-    let size = (SIDE as usize, SIDE as usize);
-    let layer = Layer::new(
-        size,
-        LayerAttributes::default(),
-        Encoding::SMALL_FAST_LOSSLESS,
-        AnyChannels::sort(channels),
-    );
+    written(SIDE, names.iter().enumerate().map(channel).collect())
+}
+
+/// An OpenEXR file of gray halves that are all alike, four along a side.
+pub fn flat_half(value: f16) -> Vec<u8> {
+    let channel = AnyChannel::new("Y", FlatSamples::F16(vec![value; 16]));
+    written(4, [channel].into_iter().collect())
+}
+
+fn written(side: u32, channels: SmallVec<[AnyChannel<FlatSamples>; 4]>) -> Vec<u8> {
+    let size = (side as usize, side as usize);
+    let channels = AnyChannels::sort(channels);
+    let layer = Layer::new(size, LayerAttributes::default(), Encoding::SMALL_FAST_LOSSLESS, channels);
     let mut bytes = Vec::new();
     exr::prelude::Image::from_layer(layer)
         .write()

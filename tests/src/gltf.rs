@@ -104,14 +104,19 @@ impl Gltf {
     pub fn glb(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         json["buffers"] = json!([{ "byteLength": self.bin.len() }]);
-        let mut body = Vec::new();
-        for (kind, pad, data) in [(b"JSON", b' ', json.to_string().as_bytes()), (b"BIN\0", 0, &self.bin)] {
-            let length = data.len().next_multiple_of(4);
-            body.extend((length as u32).to_le_bytes());
-            body.extend_from_slice(kind);
-            body.extend_from_slice(data);
-            body.resize(body.len() + length - data.len(), pad);
-        }
-        [b"glTF\x02\0\0\0", &(12 + body.len() as u32).to_le_bytes()[..], &body].concat()
+        container(&json, &self.bin)
     }
+}
+
+/// A GLB of its two chunks.
+pub fn container(json: &Value, bin: &[u8]) -> Vec<u8> {
+    let mut body = Vec::new();
+    for (kind, pad, data) in [(b"JSON", b' ', json.to_string().as_bytes()), (b"BIN\0", 0, bin)] {
+        let length = data.len().next_multiple_of(4);
+        body.extend((length as u32).to_le_bytes());
+        body.extend_from_slice(kind);
+        body.extend_from_slice(data);
+        body.resize(body.len() + length - data.len(), pad);
+    }
+    [b"glTF\x02\0\0\0", &(12 + body.len() as u32).to_le_bytes()[..], &body].concat()
 }

@@ -2,10 +2,7 @@
 
 use std::io::{Cursor, Write};
 
-use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Layer, LayerAttributes, ReadChannels, ReadLayers,
-    SmallVec, WritableImage, f16,
-};
+use exr::prelude::{ReadChannels, ReadLayers, f16};
 use glam::{Vec2, Vec3, Vec4};
 use meshcolor::asset::{AttributeName, Slot};
 use meshcolor::edit::{self, ResolutionChange, Scheme, Selection};
@@ -14,7 +11,7 @@ use meshcolor::image::{LevelRange, Pixels};
 use meshcolor::pipeline::{Conversion, MipFilter, Options, check, convert};
 use meshcolor::read::{Limits, Upload, read};
 use meshcolor::watch::Unwatched;
-use meshcolor_tests::baked::{Depth, gray16, number, openexr, rgba8, share, sheet, upload};
+use meshcolor_tests::baked::{Depth, flat_half, gray16, number, openexr, rgba8, share, sheet, upload};
 use meshcolor_tests::patches::Random;
 use meshcolor_tests::reading::jumps_codes;
 use meshcolor_tests::validator;
@@ -182,26 +179,10 @@ fn expect_loose(place: &str, conversion: &Conversion) {
 /// Numbers that half floats hold come back to the last bit where a sample stands on a texel's center.
 #[test]
 fn half_floats_stay_as_they_are() {
-    let flat = |value: f32| {
-        let channel = AnyChannel::new("Y", FlatSamples::F16(vec![f16::from_f32(value); 16]));
-        let channels: SmallVec<_> = [channel].into_iter().collect();
-        let layer = Layer::new(
-            (4, 4),
-            LayerAttributes::default(),
-            Encoding::UNCOMPRESSED,
-            AnyChannels::sort(channels),
-        );
-        let mut bytes = Vec::new();
-        exr::prelude::Image::from_layer(layer)
-            .write()
-            .non_parallel()
-            .to_buffered(Cursor::new(&mut bytes))
-            .unwrap();
-        bytes
-    };
     for value in [0.0, 1.0, -2.5, 0.333, 65_504.0, 1e-4] {
-        let value = f16::from_f32(value).to_f32();
-        let upload = upload(sheet(&["clay"], 0), &[("models/a.exr", flat(value))]);
+        let half = f16::from_f32(value);
+        let value = half.to_f32();
+        let upload = upload(sheet(&["clay"], 0), &[("models/a.exr", flat_half(half))]);
         let conversion = converted(&upload, &options(&[("channel", "a=a.exr"), ("resolution", "fixed:2")]));
         let texture = texture(&conversion, "a");
         for (level, image) in texture.levels.iter().enumerate() {

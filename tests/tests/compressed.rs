@@ -7,6 +7,7 @@ use meshcolor::pipeline::{Options, convert};
 use meshcolor::read::{Limits, Upload, read};
 use meshcolor::vertex_codec::packed_attributes;
 use meshcolor::watch::Unwatched;
+use meshcolor_tests::gltf::container;
 use meshcolor_tests::validator;
 use meshopt::ffi;
 use serde_json::{Value, json};
@@ -110,18 +111,6 @@ fn model() -> Vec<u8> {
         ],
     });
     container(&json, &bin)
-}
-
-fn container(json: &Value, bin: &[u8]) -> Vec<u8> {
-    let mut body = Vec::new();
-    for (kind, pad, data) in [(b"JSON", b' ', json.to_string().as_bytes()), (b"BIN\0", 0, bin)] {
-        let length = data.len().next_multiple_of(4);
-        body.extend((length as u32).to_le_bytes());
-        body.extend_from_slice(kind);
-        body.extend_from_slice(data);
-        body.resize(body.len() + length - data.len(), pad);
-    }
-    [b"glTF\x02\0\0\0", &(12 + body.len() as u32).to_le_bytes()[..], &body].concat()
 }
 
 /// The model with a morph target that stays as it came.
