@@ -37,8 +37,13 @@ impl Slot {
 
     /// The slot that a property holds; `None` where it is neither a core slot nor `NAMETexture` with an attribute's name.
     pub fn of_gltf_name(name: &str) -> Option<Self> {
-        let core = Self::CORE.into_iter().find(|slot| slot.gltf_name() == name);
-        core.or_else(|| AttributeName::new(name.strip_suffix(SUFFIX)?).map(Slot::Attribute))
+        Self::named(name.strip_suffix(SUFFIX)?)
+    }
+
+    /// The core slot or the attribute of that name: `baseColor`, `thickness`.
+    pub fn named(name: &str) -> Option<Self> {
+        let core = Self::CORE.into_iter().find(|slot| slot.gltf_name().strip_suffix(SUFFIX) == Some(name));
+        core.or_else(|| AttributeName::new(name).map(Slot::Attribute))
     }
 
     /// Where a glTF material has the slot's texture info: property names from the outermost on.

@@ -319,7 +319,15 @@ fn is_one_way(formats: &BTreeSet<BlockFormat>) -> bool {
 }
 
 fn refused(name: &str, value: &str) -> Error {
+    refusal(name, value, "")
+}
+
+fn refused_because(name: &str, value: &str, reason: &str) -> Error {
+    refusal(name, value, &format!(": {reason}"))
+}
+
+fn refusal(name: &str, value: &str, reason: &str) -> Error {
     let allowed = OPTIONS.iter().find(|spec| spec.name == name).map_or("", |spec| spec.allowed);
-    Error::new(ErrorCode::InvalidOptions, format!("{name} = \"{value}\" is not allowed; allowed: {allowed}"))
-        .at(format!("/{name}"))
+    let detail = format!("{name} = \"{value}\" is not allowed{reason}; allowed: {allowed}");
+    Error::new(ErrorCode::InvalidOptions, detail).at(format!("/{name}"))
 }

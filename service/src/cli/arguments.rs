@@ -1,16 +1,29 @@
 //! Arguments that several commands share: the conversion's options, straight from `OPTIONS`, and how
 //! much of the machine to use.
 
-use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use meshcolor::pipeline::{OPTIONS, OptionSpec, Options};
 
+use super::outcome::UsageError;
 use crate::settings::variable;
 use crate::work::processor_count;
 
-/// The conversion's options as flags.
+/// The conversion's options as flags: names and values, in the order of `OPTIONS`.
 #[derive(Clone, Debug)]
-pub struct ConversionFlags(pub Options);
+pub struct ConversionFlags(Vec<(&'static str, String)>);
+
+impl ConversionFlags {
+    /// # Errors
+    /// What is not allowed.
+    pub fn options(&self) -> Result<Options, UsageError> {
+        let mut options = Options::default();
+        for (name, value) in &self.0 {
+            options.set(name, value)?;
+        }
+        options.check()?;
+        Ok(options)
+    }
+}
 
 impl Args for ConversionFlags {
     fn augment_args(command: Command) -> Command {
@@ -36,18 +49,11 @@ impl Args for ConversionFlags {
 
 impl FromArgMatches for ConversionFlags {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let refuse = |error: meshcolor::Error| {
-            clap::Error::raw(ErrorKind::InvalidValue, format!("{}\n", error.detail))
-        };
-        let mut options = Options::default();
-        for spec in OPTIONS {
-            if let Some(values) = matches.get_many::<String>(spec.name) {
-                let value = values.cloned().collect::<Vec<_>>().join(",");
-                options.set(spec.name, &value).map_err(refuse)?;
-            }
-        }
-        options.check().map_err(refuse)?;
-        Ok(Self(options))
+        let given = OPTIONS.iter().filter_map(|spec| {
+            let values: Vec<_> = matches.get_many::<String>(spec.name)?.cloned().collect();
+            Some((spec.name, values.join(",")))
+        });
+        Ok(Self(given.collect()))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -89,7 +95,7 @@ mod tests {
         let read = |arguments: &[&str]| {
             let command = ConversionFlags::augment_args(Command::new("x"));
             let matches = command.get_matches_from(["x"].iter().chain(arguments));
-            ConversionFlags::from_arg_matches(&matches).map(|flags| flags.0)
+            ConversionFlags::from_arg_matches(&matches).unwrap().options()
         };
         assert_eq!(read(&[]).unwrap(), Options::default());
         let options = read(&["--cut", "3", "--solver=clamp"]).unwrap();

@@ -64,6 +64,8 @@ enum Format {
 
 pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     crate::logging::start(if arguments.run.quiet { "error" } else { "warn" });
+    let conversion = arguments.conversion.options()?;
+    let options = JobOptions { conversion, preview: false, tradeoff: false };
     let paths = models(&arguments.inputs)?;
     let stop = Arc::new(Stop::default());
     let interrupt = Interrupt::listen(stop.clone())?;
@@ -71,7 +73,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut outcome = Outcome::Fine;
     let mut entries = Vec::new();
     for path in &paths {
-        let checked = check(path, arguments, &pool, &stop);
+        let checked = check(path, arguments, &options, &pool, &stop);
         let is_canceled = checked.as_ref().is_err_and(|e| e.code == meshcolor::ErrorCode::Canceled);
         if is_canceled {
             return Ok(interrupt.over(Outcome::Failed));
@@ -95,6 +97,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 fn check(
     path: &Path,
     arguments: &Arguments,
+    options: &JobOptions,
     pool: &rayon::ThreadPool,
     stop: &Arc<Stop>,
 ) -> meshcolor::Result<Report> {
@@ -102,8 +105,7 @@ fn check(
     let (sender, progress) = watch::channel(Progress::default());
     let watch = JobWatch::new(stop.clone(), sender);
     let _bar = Bar::follow(path.display().to_string(), progress, arguments.run.quiet);
-    let options = JobOptions { conversion: arguments.conversion.0.clone(), preview: false, tradeoff: false };
-    pool.install(|| work::check(&upload, &options, &arguments.limits.0, &watch))
+    pool.install(|| work::check(&upload, options, &arguments.limits.0, &watch))
 }
 
 /// The heaviest finding of a report decides, in the words of `--fail-on`.

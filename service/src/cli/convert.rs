@@ -45,6 +45,11 @@ pub struct Arguments {
 pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let quiet = arguments.run.quiet;
     crate::logging::start(if quiet { "error" } else { "warn" });
+    let options = JobOptions {
+        conversion: arguments.conversion.options()?,
+        preview: !arguments.no_preview,
+        tradeoff: false,
+    };
     let to_stdout = arguments.out == Path::new("-");
     let is_zip = arguments.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("zip"));
     if !to_stdout {
@@ -54,8 +59,6 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let stop = Arc::new(Stop::default());
     let interrupt = Interrupt::listen(stop.clone())?;
     let upload = input::open(&arguments.input)?;
-    let options =
-        JobOptions { conversion: arguments.conversion.0, preview: !arguments.no_preview, tradeoff: false };
     let (sender, progress) = watch::channel(Progress::default());
     let watch = JobWatch::new(stop, sender);
     let bar = Bar::follow(shown.clone(), progress, quiet);

@@ -41,6 +41,13 @@ impl From<Outcome> for ExitCode {
 #[error("{0}")]
 pub struct UsageError(pub String);
 
+/// Of options, which name themselves in the text.
+impl From<meshcolor::Error> for UsageError {
+    fn from(error: meshcolor::Error) -> Self {
+        Self(error.detail)
+    }
+}
+
 impl Outcome {
     /// Says the error and returns what it means.
     pub fn of_error(error: &anyhow::Error) -> Self {

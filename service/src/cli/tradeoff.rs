@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context;
+use meshcolor::pipeline::Options;
 use meshcolor::read::{Upload, read_with};
 use meshcolor::watch::{Stage, Watch};
 use tokio::sync::watch;
@@ -53,6 +54,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let quiet = arguments.run.quiet;
     crate::logging::start(if quiet { "error" } else { "warn" });
+    let options = arguments.conversion.options()?;
     check_free(&arguments.out, false, arguments.force, RECORD_FILE)?;
     let shown = arguments.input.as_ref().map_or("sample".to_owned(), |path| path.display().to_string());
     let stop = Arc::new(Stop::default());
@@ -65,7 +67,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let watch = JobWatch::new(stop, sender);
     let bar = Bar::follow(shown.clone(), progress, quiet);
     let pool = work::thread_pool(arguments.run.threads)?;
-    let done = pool.install(|| convert(arguments, &upload, &watch));
+    let done = pool.install(|| convert(arguments, &options, &upload, &watch));
     drop(bar);
     match done.and_then(|record| Ok((write(&arguments.out, &record)?, record))) {
         Ok((json, record)) => {
@@ -81,14 +83,19 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
 }
 
-fn convert(arguments: &Arguments, upload: &Upload, watch: &JobWatch) -> anyhow::Result<Tradeoff> {
+fn convert(
+    arguments: &Arguments,
+    options: &Options,
+    upload: &Upload,
+    watch: &JobWatch,
+) -> anyhow::Result<Tradeoff> {
     let limits = &arguments.limits.0;
     watch.stage(Stage::Read);
-    let asset = read_with(upload, &arguments.conversion.0.channels, limits, watch)?;
+    let asset = read_with(upload, &options.channels, limits, watch)?;
     let subject =
         Subject { model: &work::title(&upload.main), asset: &asset, read: watch.finish().into_iter().next() };
     let manner = Manner { limits, repeat_count: arguments.repeat, done: 0.02 };
-    Ok(tradeoff::run(&subject, &arguments.conversion.0, &manner, watch)?)
+    Ok(tradeoff::run(&subject, options, &manner, watch)?)
 }
 
 /// Writes the folder and returns the record as its file holds it.

@@ -1,8 +1,8 @@
 //! The option `channel` as text: `NAME[@MATERIAL]=IMAGE[#SET]`, with commas between several.
 
-use super::refused;
+use super::refused_because;
 use super::text::NONE;
-use crate::asset::AttributeName;
+use crate::asset::Slot;
 use crate::error::Result;
 use crate::read::{AttributeSource, TEXCOORD_SETS_MAX};
 
@@ -18,19 +18,17 @@ pub fn parse(value: &str) -> Result<Vec<AttributeSource>> {
 }
 
 fn parse_one(text: &str) -> Result<AttributeSource> {
-    let wrong = |rule: &str| {
-        let mut error = refused(OPTION, text);
-        error.detail.push_str("; ");
-        error.detail.push_str(rule);
-        error
-    };
+    let wrong = |reason: &str| refused_because(OPTION, text, reason);
     let (target, image) = text.split_once('=').ok_or_else(|| wrong("there is no `=` before the image"))?;
     let (name, material) = match target.split_once('@') {
         Some((name, material)) => (name, Some(material.to_owned())),
         None => (target, None),
     };
-    let name = AttributeName::new(name)
-        .ok_or_else(|| wrong(&format!("a name has {}, and \"{name}\" has not", AttributeName::RULE)))?;
+    let name = match Slot::named(name) {
+        Some(Slot::Attribute(name)) => name,
+        Some(_) => return Err(wrong(&format!("\"{name}\" is a slot of every material, not a NAME"))),
+        None => return Err(wrong(&format!("\"{name}\" is no such NAME"))),
+    };
     let (file, texcoord) = match image.rsplit_once('#') {
         Some((file, set)) if !set.is_empty() && set.bytes().all(|byte| byte.is_ascii_digit()) => {
             let set = set.parse().ok().filter(|set| *set < TEXCOORD_SETS_MAX);
@@ -92,8 +90,8 @@ mod tests {
         for (value, rule) in [
             ("thickness", "no `=`"),
             ("a=x.png,", "no `=`"),
-            ("normal=x.png", "\"normal\" has not"),
-            ("1=x.png", "\"1\" has not"),
+            ("normal=x.png", "\"normal\" is a slot"),
+            ("1=x.png", "\"1\" is no such NAME"),
             ("a=", "no file"),
             ("a=#3", "no file"),
             ("a=x.png#16", "0 to 15"),
