@@ -23,11 +23,18 @@ def faces(cases):
 
     no_area = {"/standard/warnings/zero_area_face": 1}
     add("quad_on_a_line", "A quad whose corners lie on one line", [(1, 0, 0), (1, 1, 0), (1, 0.5, 0), (1, 0.25, 0)], no_area)
-    add("quad_at_a_point", "A quad whose corners are one point", [(1, 0, 0)] * 4, no_area)
+    add("quad_at_a_point", "A quad whose corners are one point", [(1, 0, 0)] * 4,
+        {"/standard/quads": 1, "/standard/warnings/zero_area_face": 2})
     add("quad_folded", "A quad whose two halves lie on each other", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (1, 0, 0)])
     add("quad_crossing_itself", "A quad whose two sides cross", [(0, 0, 0), (1, 1, 0), (1, 0, 0), (0, 1, 0)])
     add("quad_concave", "A quad with a corner that points in", [(0, 0, 0), (1, 0, 0), (0.4, 0.4, 0), (0, 1, 0)])
     add("quad_bent", "A quad whose corners lie in no plane", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 3)])
+    ring = [(cos(pi * k / 3), sin(pi * k / 3), 0) for k in range(7)]
+    pole = [[(ring[k], (k / 6, 1)), (ring[k + 1], ((k + 1) / 6, 1)), ((0, 0, 1), ((k + 1) / 6, 0)), ((0, 0, 1), (k / 6, 0))]
+            for k in range(6)]
+    waves = function(lambda u, v: (127 + 127 * cos(2 * pi * u), 255 * v, 127 + 127 * cos(pi * (4 * u + v))))
+    cases["quads_at_a_pole"] = ("Quads around a point, each with a side of no length there, as of a sphere", polygons(pole, waves),
+                                {"/standard/quads": 0, "/standard/warnings/zero_area_face": 6}, WELDED)
     strip = [quad([(k, 0, 0), (k + 1, 0, 0), (k + 1, 1e-6, 0), (k, 1e-6, 0)]) for k in range(3)]
     cases["needle_quads"] = ("Quads a million times as long as wide", polygons(strip, halves(8)), {"/standard/quads": 3},
                              {"resolution": "fixed:2", **WELDED})

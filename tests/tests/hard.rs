@@ -90,6 +90,7 @@ cases! {
     quad_crossing_itself,
     quad_folded,
     quad_on_a_line,
+    quads_at_a_pole,
     sheets_back_to_back,
     single_triangle,
     source_16384x1,

@@ -36,6 +36,12 @@ pub(super) fn check_finite(
     Ok(())
 }
 
+/// Whether neighboring corners of a quad stand in one place, as at the pole of a sphere. It looks like a triangle then: as a quad
+/// it would show half of its samples, and those of an edge not where the face beside it has them.
+pub(super) fn has_side_without_length(corners: [Vec3; 4]) -> bool {
+    (0..4).any(|corner| corners[corner] == corners[(corner + 1) % 4])
+}
+
 /// Makes normals and tangents unit length, replaces those without a direction, and counts degenerate
 /// faces. Positions are finite; faces index into them.
 pub(super) fn finish(primitive: &mut Primitive, pointer: &str, warnings: &mut Warnings) {

@@ -172,7 +172,7 @@ fn read_faces(
     let is_listed = mesh_colors::join_quads(at, &mut primitive.faces, store, budget)?;
     // A list of quads says more, and mesh colors count on it.
     if !is_listed && mode == Mode::Triangles && (has_ngons || ngons::is_marked(at)?) {
-        ngons::join_quads(&mut primitive.faces, &at.pointer, &mut context.warnings);
+        ngons::join_quads(primitive, &at.pointer, &mut context.warnings);
     }
     Ok(())
 }

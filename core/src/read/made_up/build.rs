@@ -110,12 +110,19 @@ impl Builder<'_> {
                 }
             });
         }
+        let position = |corner: &Corner| soup.positions[corner.position as usize];
         match indices[..] {
             [a, b, c] => self.primitive.faces.push(Face::triangle([a, b, c])),
-            [a, b, c, d] => self.primitive.faces.push(Face::quad([a, b, c, d])),
+            [a, b, c, d] => {
+                let positions = [0, 1, 2, 3].map(|corner: usize| position(&corners[corner]));
+                if geometry::has_side_without_length(positions) {
+                    self.primitive.faces.extend([[a, b, c], [a, c, d]].map(Face::triangle));
+                } else {
+                    self.primitive.faces.push(Face::quad([a, b, c, d]));
+                }
+            }
             _ => {
-                let position = |corner: &Corner| soup.positions[corner.position as usize].as_dvec3();
-                let points: Vec<_> = corners.iter().map(position).collect();
+                let points: Vec<_> = corners.iter().map(|corner| position(corner).as_dvec3()).collect();
                 let cut = polygon::cut(&points);
                 if !cut.simple {
                     let detail = "polygons that cross themselves, have no area or are too intricate; they \

@@ -6,8 +6,12 @@ const MARK: &str = "FB_ngon_encoding";
 
 /// Eight vertices with these triangles, marked on the primitive.
 fn model(triangles: &[[u8; 3]]) -> Gltf {
+    model_at(|i| [i as f32, (i * i) as f32, (i % 3) as f32], triangles)
+}
+
+fn model_at(position: impl Fn(u8) -> [f32; 3], triangles: &[[u8; 3]]) -> Gltf {
     let mut gltf = Gltf::triangle();
-    let positions: Vec<f32> = (0..8).flat_map(|i| [i as f32, (i * i) as f32, (i % 3) as f32]).collect();
+    let positions: Vec<f32> = (0..8).flat_map(position).collect();
     let positions = gltf.floats("VEC3", &positions);
     let indices = gltf.accessor("SCALAR", 5121, 3 * triangles.len(), triangles.as_flattened());
     gltf.primitive()["attributes"]["POSITION"] = json!(positions);
@@ -59,6 +63,19 @@ fn what_is_no_quad_stays_and_is_counted() {
     assert_eq!(faces(&asset).len(), 4);
     let codes: Vec<_> = asset.warnings.iter().map(|w| (w.code.as_str(), w.count)).collect();
     assert_eq!(codes[0], ("ngon_not_a_fan", 2));
+}
+
+#[test]
+fn a_quad_with_a_side_of_no_length_stays_two_triangles() {
+    let at_pole = |one: u8, other: u8| move |i| if i == one { other as f32 } else { i as f32 };
+    for corner in 0..4 {
+        let at = at_pole(corner, (corner + 1) % 4);
+        let asset = model_at(|i| [at(i), at(i).powi(2), 0.0], &[[0, 1, 2], [0, 2, 3]]).read().unwrap();
+        assert_eq!(faces(&asset), [[0, 1, 2], [0, 2, 3]], "{corner}");
+    }
+    let folded = at_pole(1, 3);
+    let asset = model_at(|i| [folded(i), folded(i).powi(2), 0.0], &[[0, 1, 2], [0, 2, 3]]).read().unwrap();
+    assert_eq!(faces(&asset), [[0, 1, 2, 3]]);
 }
 
 #[test]

@@ -32,6 +32,22 @@ fn quads_stay_and_indices_count_both_ways() {
 }
 
 #[test]
+fn a_quad_with_a_side_of_no_length_is_two_triangles() {
+    // The fifth vertex is where the first is.
+    for (face, expected) in [
+        ("f 1 2 3 5", vec![vec![0, 1, 2], vec![0, 2, 3]]),
+        ("f 2 3 3 4", vec![vec![0, 1, 1], vec![0, 1, 2]]),
+        ("f 1 2 5 3", vec![vec![0, 1, 2, 3]]),
+    ] {
+        assert_eq!(
+            corners(&read_text(&format!("{SQUARE}v 0 0 -0.0\n{face}\n")).unwrap()),
+            expected,
+            "{face}"
+        );
+    }
+}
+
+#[test]
 fn vertices_are_distinct_corners_in_first_use_order() {
     let text = format!(
         "{SQUARE}vt 0 0\nvt 1 0.25\nvn 0 0 2\nvn 0 1 0\nf 3/1/1 1/2/1 2/1/1\nf 3/1/1 2/1/1 4/1/2\nf 3/2/1 2/1/1 4/1/2\n"
