@@ -303,7 +303,7 @@ fn what_cannot_be_is_refused_with_its_place() {
         ("models/odd.exr", openexr(&["R", "depth"], Depth::Half)),
         ("models/text.png", b"no picture".to_vec()),
     ];
-    let upload = upload(sheet(&["left", "right"], 0), &files);
+    let upload = upload(sheet(&["left", "right", "unused"], 0), &files);
     for (list, code, place, told) in [
         (
             "a=none.png",
@@ -312,7 +312,13 @@ fn what_cannot_be_is_refused_with_its_place() {
             "is not in the upload in the folder \"models/\"; add it",
         ),
         ("a=../mask.png", "unsafe_uri", "/channel/a", "`..`"),
-        ("a@middle=mask.png", "invalid_options", "/channel", "there are: \"left\", \"right\""),
+        ("a@middle=mask.png", "invalid_options", "/channel", "there are: \"left\", \"right\", \"unused\""),
+        (
+            "a@unused=mask.png",
+            "invalid_options",
+            "/channel",
+            "material \"unused\" has no face that channel a could be on",
+        ),
         (
             "a=mask.png#1",
             "invalid_options",

@@ -107,31 +107,33 @@ fn image(file: &str, place: String, context: &mut Context) -> Result<Image> {
     Ok(image)
 }
 
+/// Those of its name that have faces.
 fn materials(asset: &Asset, source: &AttributeSource) -> Result<Vec<usize>> {
+    let channel = source.name.as_str();
     let all = || asset.materials.iter().enumerate();
-    let Some(name) = &source.material else {
-        let primitives = || asset.meshes.iter().flat_map(|mesh| &mesh.primitives);
-        let has_faces = |number: usize| {
-            primitives().any(|primitive| primitive.material == Some(number) && !primitive.faces.is_empty())
-        };
-        let found: Vec<usize> = all().map(|(number, _)| number).filter(|&number| has_faces(number)).collect();
-        if found.is_empty() {
-            let channel = source.name.as_str();
-            return Err(refused(format!("the model has no face that channel {channel} could be on")));
-        }
-        return Ok(found);
-    };
-    let found: Vec<usize> =
-        all().filter(|(_, material)| material.name == *name).map(|(number, _)| number).collect();
-    if found.is_empty() {
+    let is_named = |name: &str| source.material.as_ref().is_none_or(|wanted| wanted == name);
+    let named: Vec<usize> =
+        all().filter(|(_, material)| is_named(&material.name)).map(|(number, _)| number).collect();
+    if let (Some(wanted), true) = (&source.material, named.is_empty()) {
         let names: Vec<String> = all().take(8).map(|(_, material)| quoted(&material.name)).collect();
         let more = if asset.materials.len() > names.len() { ", …" } else { "" };
         return Err(refused(format!(
-            "no material is called {}, which is to have channel {}; there are: {}{more}",
-            quoted(name),
-            source.name.as_str(),
+            "no material is called {}, which is to have channel {channel}; there are: {}{more}",
+            quoted(wanted),
             names.join(", ")
         )));
+    }
+    let primitives = || asset.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let has_faces = |number: &usize| {
+        primitives().any(|primitive| primitive.material == Some(*number) && !primitive.faces.is_empty())
+    };
+    let found: Vec<usize> = named.into_iter().filter(has_faces).collect();
+    if found.is_empty() {
+        let owner = source
+            .material
+            .as_ref()
+            .map_or("the model".to_owned(), |name| format!("material {}", quoted(name)));
+        return Err(refused(format!("{owner} has no face that channel {channel} could be on")));
     }
     Ok(found)
 }
