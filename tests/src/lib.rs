@@ -6,6 +6,7 @@ pub mod faces;
 pub mod gltf;
 pub mod hard;
 pub mod models;
+pub mod openimageio;
 pub mod patches;
 pub mod ptex;
 pub mod reading;

@@ -7,7 +7,7 @@ use meshcolor::image::{LevelRange, Transfer};
 use meshcolor::pipeline::{Conversion, Options, convert};
 use meshcolor::read::{Limits, Upload};
 use meshcolor::watch::Unwatched;
-use meshcolor_tests::validator;
+use meshcolor_tests::{openimageio, validator};
 
 // Numbers of Vulkan's formats.
 const RGBA8_UNORM: u32 = 37;
@@ -21,6 +21,12 @@ fn converted(settings: &[(&str, &str)]) -> Conversion {
     }
     let upload = Upload::single("sample.glb", meshcolor_service::sample::model());
     convert(&upload, &options, &Limits::default(), &Unwatched).unwrap()
+}
+
+/// In the order of the loose files.
+fn levels(conversion: &Conversion) -> impl Iterator<Item = (&FinishedTexture, usize)> + Clone {
+    let textures = conversion.finished.textures.iter();
+    textures.flat_map(|texture| (0..texture.levels.len()).map(move |level| (texture, level)))
 }
 
 #[test]
@@ -44,13 +50,8 @@ fn ktx_parse_reads_what_was_written() {
         println!("skipped: no ktx-parse; tests/run installs it");
         return;
     };
-    let levels: Vec<(&FinishedTexture, usize)> = conversion
-        .finished
-        .textures
-        .iter()
-        .flat_map(|texture| (0..texture.levels.len()).map(move |level| (texture, level)))
-        .collect();
-    assert_eq!(read.len(), levels.len());
+    let levels = levels(&conversion);
+    assert_eq!(read.len(), levels.clone().count());
     let mut ranged_count = 0;
     for ((file, bytes), (texture, level)) in read.iter().zip(files).zip(levels) {
         let range = texture.ranges.get(&level);
@@ -83,6 +84,37 @@ fn ktx_parse_reads_what_was_written() {
         ranged_count += usize::from(range.is_some());
     }
     assert!(ranged_count > 0, "no level of the sample has a range");
+}
+
+/// OpenEXR's own library reads linear light, and the values of ranges.
+#[test]
+fn openimageio_reads_what_was_written() {
+    let conversion = converted(&[("textures", "exr"), ("coordinates", "4d")]);
+    let files: Vec<Vec<u8>> = conversion.files[2..].iter().map(|file| file.bytes.clone()).collect();
+    let Some(read) = openimageio::read("exr", &files) else {
+        println!("skipped: no OpenImageIO; tests/run installs it");
+        return;
+    };
+    for ((texture, level), parts) in levels(&conversion).zip(&read) {
+        let image = &texture.levels[level];
+        let [part] = parts.as_slice() else { panic!("{} parts", parts.len()) };
+        assert_eq!(
+            (part.size.map(|side| side as u32), part.channels),
+            (image.size(), image.components.into())
+        );
+        for (k, found) in part.values.chunks(part.channels).enumerate() {
+            let (x, y) = (k as u32 % image.width, k as u32 / image.width);
+            let expected = image.value(x, y, texture.transfer, texture.ranges.get(&level)).to_array();
+            for (found, expected) in found.iter().zip(expected) {
+                let found = found.expect("a finite number");
+                assert!(
+                    (found - expected).abs() <= expected.abs() / 2048.0,
+                    "{:?} {level}, {x} {y}",
+                    texture.slots[0]
+                );
+            }
+        }
+    }
 }
 
 fn owned((key, value): (&str, &str)) -> (String, String) {

@@ -5,8 +5,10 @@ use meshcolor::measure::Verdict;
 use meshcolor::pipeline::{Conversion, Options, convert};
 use meshcolor::read::{Limits, Upload};
 use meshcolor::watch::Unwatched;
+use meshcolor_tests::openimageio;
 use meshcolor_tests::patches::Random;
-use meshcolor_tests::ptex::{self, Painted, writer};
+use meshcolor_tests::ptex::writer::{self, Ptex, Stored};
+use meshcolor_tests::ptex::{self, Painted};
 use meshcolor_tests::reading::shown_codes;
 use meshcolor_tests::validator;
 
@@ -195,4 +197,61 @@ fn a_conversion_is_valid_and_its_mesh_colors_go_round() {
     let back = convert(&upload, &Options::default(), &Limits::default(), &Unwatched).unwrap();
     assert!(file(&back, "asset.glb") == file(&there, "asset.glb"));
     assert_eq!(there.report.channels[0].bits, 16);
+}
+
+/// Files of all data types and encodings, each with its numbers.
+fn files_of_all_kinds() -> Vec<Ptex> {
+    let mut files = Vec::new();
+    for data in [writer::U8, writer::U16, writer::HALF, writer::FLOAT] {
+        for is_triangles in [false, true] {
+            let (positions, quads) = ptex::ball(2);
+            let faces = if is_triangles { ptex::triangles(&quads) } else { quads };
+            let log2 = |face: usize| match face % 4 {
+                side if is_triangles => [side as u8; 2],
+                kind => [[1, 1], [3, 2], [4, 5], [0, 3]][kind],
+            };
+            let random = &mut Random::new(u64::from(data));
+            let mut file = Painted::new((positions, faces), data, 0.3, random, log2).file;
+            for (face, stored) in [(4, Stored::Flagged), (5, Stored::Constant)] {
+                let face = &mut file.faces[face];
+                face.stored = stored;
+                face.numbers = face.numbers[..3].repeat(face.numbers.len() / 3);
+            }
+            files.push(file);
+        }
+    }
+    files
+}
+
+/// The tests' files are written from the format's description. The library that Ptex was published with reads the numbers that
+/// were written.
+#[test]
+fn the_reference_library_reads_the_files() {
+    let files = files_of_all_kinds();
+    let read = openimageio::read("ptx", &files.iter().map(Ptex::bytes).collect::<Vec<_>>());
+    let Some(read) = read else {
+        println!("skipped: Ptex's own library (no OpenImageIO; tests/run installs it)");
+        return;
+    };
+    for (parts, file) in read.iter().zip(&files) {
+        assert_eq!(parts.len(), file.faces.len());
+        for (number, (part, face)) in parts.iter().zip(&file.faces).enumerate() {
+            let place = format!("data {}, face {number}, {:?}", file.data, face.stored);
+            assert_eq!((part.size, part.channels), (face.log2.map(|log2| 1 << log2), 3), "{place}");
+            let stored = |value: f32| match file.data {
+                writer::U8 => value / 255.0,
+                writer::U16 => value / 65535.0,
+                writer::HALF => half::f16::from_f32(value).to_f32(),
+                _ => value,
+            };
+            let is_same = |(found, value): (&Option<f32>, &f32)| {
+                found.is_some_and(|found| (found - stored(*value)).abs() < 1e-6)
+            };
+            // OpenImageIO copies of a constant face's one texel as many as the face has: only the first is one.
+            let is_constant = matches!(face.stored, Stored::Flagged | Stored::Constant);
+            let count = if is_constant { 3 } else { face.numbers.len() };
+            assert_eq!(part.values.len(), face.numbers.len(), "{place}");
+            assert!(part.values.iter().zip(&face.numbers).take(count).all(is_same), "{place}");
+        }
+    }
 }

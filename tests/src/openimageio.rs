@@ -1,0 +1,80 @@
+//! Foreign readers and writers that run under Python (`tests/openimageio`): OpenImageIO, with the libraries that
+//! Ptex and OpenEXR were published with.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde::Deserialize;
+
+/// Part of an image file: of a Ptex file a face.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct Part {
+    pub size: [usize; 2],
+    pub channels: usize,
+    /// By row, column and channel; codes as shares of 1. `None` is no finite number.
+    pub values: Vec<Option<f32>>,
+}
+
+/// The parts of files of a format, by file, or `None` where Python or the package is missing.
+///
+/// # Panics
+/// Where a file is not read, and where the package is missing although `tests/run` installed it.
+pub fn read(extension: &str, files: &[Vec<u8>]) -> Option<Vec<Vec<Part>>> {
+    let folder = Folder::new(extension);
+    let paths = (0..files.len()).map(|number| folder.0.join(format!("{number}.{extension}")));
+    let paths: Vec<PathBuf> = paths.collect();
+    for (path, bytes) in paths.iter().zip(files) {
+        fs::write(path, bytes).expect("a temporary file");
+    }
+    let parts: Vec<Vec<Part>> = serde_json::from_slice(&python("texels.py", &paths)?).expect("JSON");
+    assert_eq!(parts.len(), files.len());
+    Some(parts)
+}
+
+/// The files that a script of `openimageio/` writes, by name, or `None` as in [`read`].
+///
+/// # Panics
+/// Where the script fails, and as [`read`].
+pub fn written_by(script: &str) -> Option<BTreeMap<String, Vec<u8>>> {
+    let folder = Folder::new(script);
+    python(script, std::slice::from_ref(&folder.0))?;
+    let entries =
+        fs::read_dir(&folder.0).expect("the folder that was made").map(|entry| entry.expect("an entry"));
+    let named = |entry: fs::DirEntry| (entry.file_name().display().to_string(), fs::read(entry.path()));
+    Some(entries.map(named).map(|(name, bytes)| (name, bytes.expect("a file"))).collect())
+}
+
+/// A temporary folder, removed when dropped.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(purpose: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("meshcolor-{purpose}-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder for temporary files");
+        Self(folder)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Runs a script of `openimageio/`; returns what it prints.
+fn python(script: &str, arguments: &[PathBuf]) -> Option<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("openimageio");
+    let packages = folder.join("packages");
+    let start = || {
+        let mut python = Command::new("python3");
+        python.arg(folder.join(script)).args(arguments).env("PYTHONPATH", &packages).output().ok()
+    };
+    let Some(output) = packages.is_dir().then(start).flatten() else {
+        assert!(!crate::requires_tools(), "OpenImageIO is missing: tests/run installs it");
+        return None;
+    };
+    assert!(output.status.success(), "{script}: {}", String::from_utf8_lossy(&output.stderr));
+    Some(output.stdout)
+}
