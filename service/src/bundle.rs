@@ -123,11 +123,11 @@ mod tests {
 
     #[test]
     fn a_folder_never_gets_a_file_outside_itself() {
-        let folder = std::env::temp_dir().join(format!("meshcolor-bundle-{}", uuid::Uuid::now_v7()));
-        write_folder(&files(), &folder).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        write_folder(&files(), folder).unwrap();
         assert_eq!(fs::read(folder.join("shaders/a.wgsl")).unwrap(), b"fn");
         let evil = [BundleFile { path: "../evil".into(), bytes: vec![] }];
-        assert!(write_folder(&evil, &folder).is_err());
-        fs::remove_dir_all(folder).unwrap();
+        assert!(write_folder(&evil, folder).is_err());
     }
 }

@@ -14,7 +14,6 @@ use meshcolor::write::BundleFile;
 use reqwest::Client;
 use reqwest::multipart::{Form, Part};
 use serde_json::Value;
-use uuid::Uuid;
 
 use crate::bundle;
 use crate::cli::{bar, before_and_after};
@@ -41,11 +40,10 @@ pub struct Plan {
 /// # Errors
 /// Whatever the service answered, in its own words.
 pub async fn run(plan: Plan) -> anyhow::Result<()> {
-    let data =
-        TemporaryFolder(std::env::temp_dir().join(format!("meshcolor-demo-{}", Uuid::new_v4().simple())));
+    let data = tempfile::Builder::new().prefix("meshcolor-demo-").tempdir()?;
     let server = Server::start(Config {
         bind: SocketAddr::from((Ipv4Addr::LOCALHOST, 0)),
-        data: data.0.clone(),
+        data: data.path().to_owned(),
         worker_count: 1,
         threads: plan.threads,
         settings: Settings::default(),
@@ -168,15 +166,6 @@ fn unpack(zip: &[u8]) -> anyhow::Result<Vec<BundleFile>> {
             Ok(BundleFile { path: entry.name()?.into_owned(), bytes })
         })
         .collect()
-}
-
-/// Goes away with everything in it.
-struct TemporaryFolder(PathBuf);
-
-impl Drop for TemporaryFolder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }
 
 #[cfg(test)]

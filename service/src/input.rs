@@ -94,33 +94,26 @@ fn collect_names(folder: &Path, prefix: &str, names: &mut Vec<String>) {
 
 #[cfg(test)]
 mod tests {
+    use tempfile::TempDir;
+
     use super::*;
 
-    struct Folder(PathBuf);
-
-    impl Folder {
-        fn new() -> Self {
-            let path = std::env::temp_dir().join(format!("meshcolor-input-{}", uuid::Uuid::now_v7()));
-            fs::create_dir_all(path.join("model/tex")).unwrap();
-            fs::write(path.join("model/a.gltf"), "{}").unwrap();
-            fs::write(path.join("model/tex/a.png"), "png").unwrap();
-            fs::write(path.join("secret"), "secret").unwrap();
-            std::os::unix::fs::symlink("../secret", path.join("model/link")).unwrap();
-            std::os::unix::fs::symlink("tex/a.png", path.join("model/inner")).unwrap();
-            Self(path)
-        }
-    }
-
-    impl Drop for Folder {
-        fn drop(&mut self) {
-            let _ = fs::remove_dir_all(&self.0);
-        }
+    fn folder() -> TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        fs::create_dir_all(path.join("model/tex")).unwrap();
+        fs::write(path.join("model/a.gltf"), "{}").unwrap();
+        fs::write(path.join("model/tex/a.png"), "png").unwrap();
+        fs::write(path.join("secret"), "secret").unwrap();
+        std::os::unix::fs::symlink("../secret", path.join("model/link")).unwrap();
+        std::os::unix::fs::symlink("tex/a.png", path.join("model/inner")).unwrap();
+        folder
     }
 
     #[test]
     fn files_beside_and_below_are_found_by_their_exact_name() {
-        let folder = Folder::new();
-        let upload = open(&folder.0.join("model/a.gltf")).unwrap();
+        let folder = folder();
+        let upload = open(&folder.path().join("model/a.gltf")).unwrap();
         assert_eq!(upload.main, "a.gltf");
         let read = |path: &str| upload.files.read(path).unwrap();
         assert_eq!(read("tex/a.png").as_deref(), Some(&b"png"[..]));
@@ -132,8 +125,8 @@ mod tests {
 
     #[test]
     fn nothing_outside_is_reached() {
-        let folder = Folder::new();
-        let upload = open(&folder.0.join("model/a.gltf")).unwrap();
+        let folder = folder();
+        let upload = open(&folder.path().join("model/a.gltf")).unwrap();
         for path in ["../secret", "/etc/passwd", "link", "tex/../../secret", "a\0b", ""] {
             let error = upload.files.read(path).unwrap_err();
             assert_eq!(error.code, ErrorCode::UnsafeUri, "{path:?}");

@@ -55,7 +55,7 @@ fn missing_models_are_refused_and_leave_nothing() {
         let said = String::from_utf8_lossy(&ended.stderr).into_owned();
         assert!(said.contains("none.glb"), "{said}");
     }
-    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 0);
+    assert_eq!(fs::read_dir(folder.root()).unwrap().count(), 0);
 }
 
 #[test]
@@ -83,20 +83,20 @@ fn what_is_there_is_not_overwritten() {
     fs::write(&model, support::model(1, 16)).unwrap();
     fs::write(&zip, "mine").unwrap();
     fs::create_dir(&thesis).unwrap();
-    fs::write(folder.0.join("thesis/a.tex"), "mine").unwrap();
+    fs::write(folder.root().join("thesis/a.tex"), "mine").unwrap();
     for arguments in [&["-o", &zip][..], &["-o", &thesis], &["-o", &thesis, "--force"]] {
         let ended = run(&[&["convert", &model], arguments].concat());
         assert_eq!(ended.status.code(), Some(2), "{arguments:?}");
     }
     assert_eq!(fs::read_to_string(&zip).unwrap(), "mine");
-    assert_eq!(fs::read_to_string(folder.0.join("thesis/a.tex")).unwrap(), "mine");
-    assert_eq!(fs::read_dir(&folder.0).unwrap().count(), 3);
+    assert_eq!(fs::read_to_string(folder.root().join("thesis/a.tex")).unwrap(), "mine");
+    assert_eq!(fs::read_dir(folder.root()).unwrap().count(), 3);
 }
 
 #[test]
 fn health_asks_the_service() {
     let data = Folder::new();
-    let service = Service::start(&data.0, &[]);
+    let service = Service::start(data.root(), &[]);
     let healthy = run(&["health", "--bind", service.address()]);
     assert_eq!(healthy.status.code(), Some(0));
     assert!(String::from_utf8_lossy(&healthy.stdout).contains("\"ready\":true"));

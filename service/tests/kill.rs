@@ -39,7 +39,7 @@ async fn every_accepted_job_ends_once() {
     let mut ids: Vec<String> = Vec::new();
     let mut ended: BTreeMap<String, Value> = BTreeMap::new();
     for round in 0..ROUNDS {
-        let service = Service::start(&data.0, &["--workers", "2"]);
+        let service = Service::start(data.root(), &["--workers", "2"]);
         for id in &ids {
             let job = look(&client, &service.base, id, "wait=0").await;
             if is_ended(&job) {
@@ -66,7 +66,7 @@ async fn every_accepted_job_ends_once() {
     }
     assert!(ids.len() >= ROUNDS, "too few were accepted: {}", ids.len());
 
-    let service = Service::start(&data.0, &["--workers", "2"]);
+    let service = Service::start(data.root(), &["--workers", "2"]);
     for id in &ids {
         let mut job = look(&client, &service.base, id, "wait=60").await;
         while !is_ended(&job) {
@@ -92,11 +92,11 @@ async fn check_bundle(client: &reqwest::Client, base: &str, job: &Value) {
 #[tokio::test]
 async fn one_server_at_a_time() {
     let data = Folder::new();
-    let first = Service::start(&data.0, &[]);
-    let second = support::run(&["serve", "--bind", "127.0.0.1:0", "--data", data.0.to_str().unwrap()]);
+    let first = Service::start(data.root(), &[]);
+    let second = support::run(&["serve", "--bind", "127.0.0.1:0", "--data", data.root().to_str().unwrap()]);
     assert_eq!(second.status.code(), Some(4));
     let said = String::from_utf8_lossy(&second.stderr).into_owned();
     assert!(said.contains("another meshcolor serves the data folder") && said.contains("--data"), "{said}");
     first.kill();
-    Service::start(&data.0, &[]);
+    Service::start(data.root(), &[]);
 }

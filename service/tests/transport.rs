@@ -31,7 +31,7 @@ fn exchange(service: &Service, bytes: &[u8]) -> String {
 #[test]
 fn silent_and_slow_connections_are_closed() {
     let data = Folder::new();
-    let service = Service::start(&data.0, &["--header-read-timeout", "1", "--body-idle-timeout", "1"]);
+    let service = Service::start(data.root(), &["--header-read-timeout", "1", "--body-idle-timeout", "1"]);
     assert_eq!(exchange(&service, b""), "");
     exchange(&service, b"GET /livez HTTP/1.1\r\nHost:");
     let start =
@@ -43,7 +43,7 @@ fn silent_and_slow_connections_are_closed() {
 #[test]
 fn connections_over_the_limit_wait_their_turn() {
     let data = Folder::new();
-    let service = Service::start(&data.0, &["--max-connections", "2", "--header-read-timeout", "1"]);
+    let service = Service::start(data.root(), &["--max-connections", "2", "--header-read-timeout", "1"]);
     let idle: Vec<_> = (0..4).map(|_| TcpStream::connect(service.address()).unwrap()).collect();
     let answer = exchange(&service, b"GET /livez HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
     assert!(answer.starts_with("HTTP/1.1 200"), "{answer}");
@@ -53,7 +53,7 @@ fn connections_over_the_limit_wait_their_turn() {
 #[test]
 fn shapes_that_confuse_proxies_are_refused() {
     let data = Folder::new();
-    let service = Service::start(&data.0, &["--header-read-timeout", "1"]);
+    let service = Service::start(data.root(), &["--header-read-timeout", "1"]);
     let long = format!("GET /livez HTTP/1.1\r\nHost: x\r\nX: {}\r\n\r\n", "x".repeat(1 << 20));
     let wrong: [&[u8]; 5] = [
         b"GET /livez\r\n\r\n",
@@ -74,7 +74,7 @@ fn shapes_that_confuse_proxies_are_refused() {
 #[test]
 fn a_signal_stops_the_service_cleanly() {
     let data = Folder::new();
-    let mut service = Service::start(&data.0, &["--shutdown-grace", "1"]);
+    let mut service = Service::start(data.root(), &["--shutdown-grace", "1"]);
     let idle = TcpStream::connect(service.address()).unwrap();
     let killed = Command::new("kill").args(["-TERM", &service.child.id().to_string()]).status().unwrap();
     assert!(killed.success());

@@ -22,8 +22,8 @@ pub struct Part {
 /// # Panics
 /// Where a file is not read, and where the package is missing although `tests/run` installed it.
 pub fn read(extension: &str, files: &[Vec<u8>]) -> Option<Vec<Vec<Part>>> {
-    let folder = Folder::new(extension);
-    let paths = (0..files.len()).map(|number| folder.0.join(format!("{number}.{extension}")));
+    let folder = temporary_folder();
+    let paths = (0..files.len()).map(|number| folder.path().join(format!("{number}.{extension}")));
     let paths: Vec<PathBuf> = paths.collect();
     for (path, bytes) in paths.iter().zip(files) {
         fs::write(path, bytes).expect("a temporary file");
@@ -38,29 +38,16 @@ pub fn read(extension: &str, files: &[Vec<u8>]) -> Option<Vec<Vec<Part>>> {
 /// # Panics
 /// Where the script fails, and as [`read`].
 pub fn written_by(script: &str) -> Option<BTreeMap<String, Vec<u8>>> {
-    let folder = Folder::new(script);
-    python(script, std::slice::from_ref(&folder.0))?;
+    let folder = temporary_folder();
+    python(script, &[folder.path().to_owned()])?;
     let entries =
-        fs::read_dir(&folder.0).expect("the folder that was made").map(|entry| entry.expect("an entry"));
+        fs::read_dir(folder.path()).expect("the folder that was made").map(|entry| entry.expect("an entry"));
     let named = |entry: fs::DirEntry| (entry.file_name().display().to_string(), fs::read(entry.path()));
     Some(entries.map(named).map(|(name, bytes)| (name, bytes.expect("a file"))).collect())
 }
 
-/// A temporary folder, removed when dropped.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(purpose: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("meshcolor-{purpose}-{}", std::process::id()));
-        fs::create_dir_all(&folder).expect("a folder for temporary files");
-        Self(folder)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
+fn temporary_folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder for temporary files")
 }
 
 /// Runs a script of `openimageio/`; returns what it prints.

@@ -1,6 +1,6 @@
 //! Edited mesh colors as files: they are valid, and what a conversion makes of them has no seams.
 
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::Command;
 
 use meshcolor::asset::Asset;
@@ -135,7 +135,7 @@ fn the_pirate_is_painted_and_converted() {
     expect_sound("pirate", &edited);
 }
 
-fn run(arguments: &[&str], folder: &PathBuf) -> (Option<i32>, String, String) {
+fn run(arguments: &[&str], folder: &Path) -> (Option<i32>, String, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_meshcolor_as_built"));
     let output = command.args(arguments).current_dir(folder).output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
@@ -144,29 +144,27 @@ fn run(arguments: &[&str], folder: &PathBuf) -> (Option<i32>, String, String) {
 
 #[test]
 fn the_command_edits_files() {
-    let folder = std::env::temp_dir().join(format!("meshcolor-edit-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
     let case = cases::folder().join("obj_quad_and_triangle");
     let conversion = converted(&Case::load(&case).upload(&case));
     std::fs::write(folder.join("in.glb"), mesh_colors(&conversion)).unwrap();
 
-    let (code, out, error) = run(&["edit", "resolution", "in.glb", "--by", "1", "-o", "finer.glb"], &folder);
+    let (code, out, error) = run(&["edit", "resolution", "in.glb", "--by", "1", "-o", "finer.glb"], folder);
     assert_eq!((code, out.as_str()), (Some(0), ""), "{error}");
     assert!(error.contains("finer.glb: material 0: 2 faces (before 2)"), "{error}");
-    let (code, _, error) = run(&["edit", "resolution", "in.glb", "--by", "-1", "-o", "finer.glb"], &folder);
+    let (code, _, error) = run(&["edit", "resolution", "in.glb", "--by", "-1", "-o", "finer.glb"], folder);
     assert!(code == Some(2) && error.contains("--force"), "{error}");
     let (code, out, error) =
-        run(&["edit", "subdivide", "finer.glb", "--format", "json", "-o", "four.glb"], &folder);
+        run(&["edit", "subdivide", "finer.glb", "--format", "json", "-o", "four.glb"], folder);
     assert_eq!(code, Some(0), "{error}");
     let report: Value = serde_json::from_str(&out).unwrap();
     assert_eq!(report["materials"][0]["face_count"], 8);
-    let (code, _, error) =
-        run(&["edit", "delete", "four.glb", "--faces", "0,2-3", "-o", "hole.glb"], &folder);
+    let (code, _, error) = run(&["edit", "delete", "four.glb", "--faces", "0,2-3", "-o", "hole.glb"], folder);
     assert!(code == Some(0) && error.contains("5 faces (before 8)"), "{error}");
     let (code, _, error) =
-        run(&["edit", "transfer", "four.glb", "--to", "hole.glb", "-o", "new.glb"], &folder);
+        run(&["edit", "transfer", "four.glb", "--to", "hole.glb", "-o", "new.glb"], folder);
     assert!(code == Some(0) && error.contains("baseColorTexture, in codes"), "{error}");
-    let (code, _, error) = run(&["edit", "delete", "four.glb", "--faces", "9", "-o", "x.glb"], &folder);
+    let (code, _, error) = run(&["edit", "delete", "four.glb", "--faces", "9", "-o", "x.glb"], folder);
     assert!(code == Some(2) && error.contains("numbered 0 to 7"), "{error}");
-    std::fs::remove_dir_all(&folder).unwrap();
 }

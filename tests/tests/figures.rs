@@ -14,11 +14,9 @@ use meshcolor_tests::{models, requires_tools};
 fn compare(name: &str, upload: &Upload) -> Report {
     let conversion = convert(upload, &Options::default(), &Limits::default(), &Unwatched).unwrap();
     let report = conversion.files.iter().find(|file| file.path == "report.json").unwrap();
-    let folder = std::env::temp_dir().join(format!("meshcolor-figures-{name}-{}", std::process::id()));
-    fs::create_dir_all(&folder).unwrap();
-    fs::write(folder.join("report.json"), &report.bytes).unwrap();
-    let printed = Command::new("python3").arg(root().join("docs/figures.py")).arg(&folder).output();
-    fs::remove_dir_all(&folder).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("report.json"), &report.bytes).unwrap();
+    let printed = Command::new("python3").arg(root().join("docs/figures.py")).arg(folder.path()).output();
     match printed {
         Ok(printed) => {
             assert!(printed.status.success(), "{}", String::from_utf8_lossy(&printed.stderr));

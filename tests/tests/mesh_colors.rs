@@ -350,18 +350,14 @@ fn the_cube_of_the_docs_converts() {
     let page = meshcolor_tests::repository::file("docs/mesh_colors.md");
     let script = page.split_once("<!-- cube -->").and_then(|(_, rest)| rest.split_once("```python\n"));
     let (script, _) = script.and_then(|(_, rest)| rest.split_once("```")).expect("the page has the script");
-    let folder = std::env::temp_dir().join(format!("meshcolor-cube-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let run = Command::new("python3").args(["-c", script]).current_dir(&folder).status();
-    let glb = std::fs::read(folder.join("cube.glb"));
-    std::fs::remove_dir_all(&folder).unwrap();
-    let Ok(status) = run else {
+    let folder = tempfile::tempdir().unwrap();
+    let Ok(status) = Command::new("python3").args(["-c", script]).current_dir(folder.path()).status() else {
         assert!(!meshcolor_tests::requires_tools(), "python3 is missing");
         println!("skipped: the cube (no python3)");
         return;
     };
     assert!(status.success());
-    let glb = glb.unwrap();
+    let glb = std::fs::read(folder.path().join("cube.glb")).unwrap();
     validator::expect_valid("cube", &glb, false);
     let upload = Upload::single("cube.glb", glb);
     let cube = converted(&upload, &Options::default(), &Limits::default()).unwrap();

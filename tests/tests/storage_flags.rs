@@ -1,7 +1,7 @@
 //! `--merge`, `--max-size` and `--no-share` by the command line: what they make of a model, and that nobody sees a difference.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use glam::{Vec2, Vec3};
@@ -14,6 +14,7 @@ use meshcolor_tests::patches::{OBJ, Patch, Random, files, noise, smooth};
 use meshcolor_tests::reading::{jumps_codes, shown_codes_of};
 use meshcolor_tests::solids::{Kind, Mapping, random_box};
 use serde_json::Value;
+use tempfile::TempDir;
 
 /// Texels are copied, so what is left is the rounding of a place.
 const COPIED_CODES: f32 = 0.05;
@@ -25,21 +26,20 @@ const COORDINATES: [(&str, f32); 2] = [("indexed", COPIED_CODES), ("4d", 1.0)];
 const PLACES: usize = 5;
 
 /// A folder of a test's own, gone with it.
-struct Folder(PathBuf);
+struct Folder(TempDir);
 
 impl Folder {
     /// With a model in it.
-    fn with(name: &str, parts: &[(&Patch, &Image)]) -> Self {
-        let folder = Self(std::env::temp_dir().join(format!("meshcolor-{name}-{}", std::process::id())));
-        std::fs::create_dir_all(&folder.0).unwrap();
+    fn with(parts: &[(&Patch, &Image)]) -> Self {
+        let folder = Self(tempfile::tempdir().unwrap());
         for (name, bytes) in files(parts) {
-            std::fs::write(folder.0.join(name), bytes).unwrap();
+            std::fs::write(folder.path(&name), bytes).unwrap();
         }
         folder
     }
 
     fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
+        self.0.path().join(name).to_str().unwrap().to_owned()
     }
 
     /// The model converted with more arguments, into a folder of a name.
@@ -60,12 +60,6 @@ impl Folder {
         let asset = read(&upload, &Limits::default(), &Unwatched).unwrap();
         let finished = extract(&asset).unwrap().unwrap();
         Converted { asset, finished, checked: checked["files"][0]["report"].clone() }
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
@@ -194,7 +188,7 @@ fn sheet(side: [usize; 2], height: f32) -> Patch {
 fn merged_materials_are_one_and_show_the_same() {
     let [below, above] = [sheet([3, 2], 0.0), sheet([2, 3], 1.0)];
     let pictures = [noise(&mut Random::new(1), 24, 24), smooth(40)];
-    let folder = Folder::with("merge", &[(&below, &pictures[0]), (&above, &pictures[1])]);
+    let folder = Folder::with(&[(&below, &pictures[0]), (&above, &pictures[1])]);
     for (coordinates, most_codes) in COORDINATES {
         let kind = ["--coordinates", coordinates, "--force"];
         let apart = folder.converted("apart", &kind);
@@ -211,7 +205,7 @@ fn merged_materials_are_one_and_show_the_same() {
 
 #[test]
 fn what_is_larger_than_a_texture_is_split_without_a_seam() {
-    let folder = Folder::with("size", &[(&sheet([5, 4], 0.0), &smooth(32))]);
+    let folder = Folder::with(&[(&sheet([5, 4], 0.0), &smooth(32))]);
     for (coordinates, most_codes) in COORDINATES {
         let fine = ["--resolution", "fixed:9", "--coordinates", coordinates, "--force"];
         let split = folder.converted("split", &[&fine[..], &["--max-size", "2048"]].concat());
@@ -235,7 +229,7 @@ fn what_is_larger_than_a_texture_is_split_without_a_seam() {
 
 #[test]
 fn sizes_that_are_not_allowed_are_refused_in_words() {
-    let folder = Folder::with("refused", &[(&sheet([2, 1], 0.0), &smooth(32))]);
+    let folder = Folder::with(&[(&sheet([2, 1], 0.0), &smooth(32))]);
     for side in ["2047", "16385", "0", "many"] {
         let ended = folder.convert("out", &["--max-size", side]);
         assert_eq!(ended.status.code(), Some(2), "{side}");
@@ -251,7 +245,7 @@ fn sizes_that_are_not_allowed_are_refused_in_words() {
         said.contains("one face alone needs") && said.contains("more than the 2048 of max-size"),
         "{said}"
     );
-    assert!(!folder.0.join("out").exists());
+    assert!(!Path::new(&folder.path("out")).exists());
 }
 
 #[test]
@@ -259,7 +253,7 @@ fn faces_that_do_not_share_take_more_texels_and_show_the_same() {
     for (mapping, least_times) in [(Mapping::Overlapping, 4), (Mapping::Mirrored, 2)] {
         let mut random = Random::new(7);
         let stamped = random_box(&mut random, 4, true, Kind::Parallelograms, mapping);
-        let folder = Folder::with(&format!("{mapping:?}"), &[(&stamped, &noise(&mut random, 24, 24))]);
+        let folder = Folder::with(&[(&stamped, &noise(&mut random, 24, 24))]);
         let shared = folder.converted("shared", &[]);
         let apart = folder.converted("apart", &["--no-share"]);
         let [few, many] = [&shared, &apart].map(Converted::texels);

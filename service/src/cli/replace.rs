@@ -94,15 +94,10 @@ pub fn check_free(out: &Path, is_zip: bool, is_forced: bool, mark: &str) -> anyh
 mod tests {
     use super::*;
 
-    fn place() -> PathBuf {
-        let path = std::env::temp_dir().join(format!("meshcolor-replace-{}", Uuid::new_v4()));
-        fs::create_dir_all(&path).unwrap();
-        path
-    }
-
     #[test]
     fn only_bundles_are_replaced_and_only_by_force() {
-        let root = place();
+        let root = tempfile::tempdir().unwrap();
+        let root = root.path();
         let (bundle, other, zip) = (root.join("bundle"), root.join("other"), root.join("a.zip"));
         for folder in [&bundle, &other] {
             fs::create_dir(folder).unwrap();
@@ -116,12 +111,12 @@ mod tests {
         assert!(!free(&other, false, false) && !free(&other, false, true));
         assert!(!free(&zip, true, false) && free(&zip, true, true));
         assert!(!free(&zip, false, true) && !free(&bundle, true, true));
-        fs::remove_dir_all(root).unwrap();
     }
 
     #[test]
     fn a_folder_takes_the_place_of_another_and_nothing_else_stays() {
-        let root = place();
+        let root = tempfile::tempdir().unwrap();
+        let root = root.path();
         let out = root.join("out");
         fs::create_dir(&out).unwrap();
         fs::write(out.join("old"), "").unwrap();
@@ -133,7 +128,6 @@ mod tests {
         fs::write(abandoned.path(), "half").unwrap();
         drop(abandoned);
         assert!(out.join("new").exists() && !out.join("old").exists());
-        assert_eq!(fs::read_dir(&root).unwrap().count(), 1);
-        fs::remove_dir_all(root).unwrap();
+        assert_eq!(fs::read_dir(root).unwrap().count(), 1);
     }
 }

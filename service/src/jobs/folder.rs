@@ -186,26 +186,28 @@ fn remove_tree(path: &Path) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use tempfile::TempDir;
+
     use super::*;
 
-    fn folder() -> (PathBuf, DataFolder) {
-        let root = std::env::temp_dir().join(format!("meshcolor-data-{}", uuid::Uuid::now_v7()));
-        (root.clone(), DataFolder::open(&root).unwrap())
+    fn folder() -> (TempDir, DataFolder) {
+        let root = tempfile::tempdir().unwrap();
+        let data = DataFolder::open(root.path()).unwrap();
+        (root, data)
     }
 
     #[test]
     fn one_process_at_a_time() {
         let (root, first) = folder();
-        let Err(error) = DataFolder::open(&root) else { panic!("locked twice") };
+        let Err(error) = DataFolder::open(root.path()) else { panic!("locked twice") };
         assert!(error.to_string().contains("--data"), "{error}");
         drop(first);
-        DataFolder::open(&root).unwrap();
-        fs::remove_dir_all(root).unwrap();
+        DataFolder::open(root.path()).unwrap();
     }
 
     #[test]
     fn an_upload_that_is_not_kept_leaves_nothing() {
-        let (root, data) = folder();
+        let (_root, data) = folder();
         let id = JobId::new();
         let input = data.begin_input(id).unwrap();
         fs::write(input.path().join("x"), "x").unwrap();
@@ -213,12 +215,11 @@ mod tests {
         assert!(!data.job(id).exists());
         data.begin_input(id).unwrap().keep();
         assert!(data.input(id).exists());
-        fs::remove_dir_all(root).unwrap();
     }
 
     #[test]
     fn sweeping_keeps_what_the_jobs_need_and_nothing_else() {
-        let (root, data) = folder();
+        let (_root, data) = folder();
         let ids: Vec<_> = (0..5).map(|_| JobId::new()).collect();
         for id in &ids {
             data.begin_input(*id).unwrap().keep();
@@ -237,6 +238,5 @@ mod tests {
         let left: Vec<_> = ids.iter().map(|id| has(*id)).collect();
         assert_eq!(left, [(false, true), (true, false), (false, false), (true, false), (false, false)]);
         assert!(!data.jobs().join("stray").exists());
-        fs::remove_dir_all(root).unwrap();
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Cursor;
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -12,6 +12,7 @@ use meshcolor::measure::Verdict;
 use meshcolor::watch::{Stage, Watch};
 use meshcolor::write::BundleFile;
 use meshcolor::{Error, ErrorCode};
+use tempfile::TempDir;
 
 use super::folder::{BUNDLE_FILE, PREVIEW_FILE, REPORT_FILE};
 use super::model::{JobKind, JobResult};
@@ -85,26 +86,29 @@ fn succeed(task: &Task<'_>) -> Result<JobResult, RunError> {
 }
 
 /// A folder of its own for each test.
-pub struct Scratch(pub PathBuf);
+pub struct Scratch(TempDir);
 
 impl Scratch {
     #[allow(clippy::new_without_default)]
     pub fn new() -> Self {
-        let path = std::env::temp_dir().join(format!("meshcolor-test-{}", uuid::Uuid::new_v4().simple()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub fn path(&self) -> &Path {
+        self.0.path()
     }
 
     /// Relative paths of all files and empty folders below `jobs`.
     pub fn job_files(&self) -> Vec<String> {
         let mut found = Vec::new();
-        let mut folders = vec![self.0.join("jobs")];
+        let jobs = self.path().join("jobs");
+        let mut folders = vec![jobs.clone()];
         while let Some(folder) = folders.pop() {
             // A job may be done with a folder in the meantime.
             let Ok(entries) = fs::read_dir(folder) else { continue };
             for entry in entries {
                 let path = entry.unwrap().path();
-                found.push(path.strip_prefix(self.0.join("jobs")).unwrap().display().to_string());
+                found.push(path.strip_prefix(&jobs).unwrap().display().to_string());
                 if path.is_dir() {
                     folders.push(path);
                 }
@@ -112,11 +116,5 @@ impl Scratch {
         }
         found.sort();
         found
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
     }
 }

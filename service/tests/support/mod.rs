@@ -2,10 +2,11 @@
 #![allow(dead_code)]
 
 use std::io::{BufRead, BufReader, Cursor};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 
 use serde_json::json;
+use tempfile::TempDir;
 
 pub fn binary() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_meshcolor"));
@@ -21,23 +22,20 @@ pub fn run(arguments: &[&str]) -> Output {
     binary().args(arguments).stdin(Stdio::null()).output().unwrap()
 }
 
-pub struct Folder(pub PathBuf);
+/// Goes away with everything in it.
+pub struct Folder(TempDir);
 
 impl Folder {
     pub fn new() -> Self {
-        let path = std::env::temp_dir().join(format!("meshcolor-box-{}", uuid::Uuid::new_v4().simple()));
-        std::fs::create_dir_all(&path).unwrap();
-        Self(path)
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub fn root(&self) -> &Path {
+        self.0.path()
     }
 
     pub fn path(&self, name: &str) -> String {
-        self.0.join(name).to_str().unwrap().to_owned()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
+        self.root().join(name).to_str().unwrap().to_owned()
     }
 }
 

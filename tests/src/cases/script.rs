@@ -27,14 +27,11 @@ pub fn files_of_cases(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 /// # Panics
 /// Where the script fails.
 pub fn made_by(script: &Path) -> Option<BTreeMap<String, Vec<u8>>> {
-    let place = script.parent().and_then(Path::file_name).unwrap_or_default().display().to_string();
-    let folder = std::env::temp_dir().join(format!("meshcolor-{place}-{}", std::process::id()));
-    let Ok(status) = Command::new("python3").arg(script).arg(&folder).status() else {
+    let folder = tempfile::tempdir().expect("a folder for temporary files");
+    let Ok(status) = Command::new("python3").arg(script).arg(folder.path()).status() else {
         println!("skipped: make.py (no python3)");
         return None;
     };
     assert!(status.success(), "{}: {status}", script.display());
-    let files = files_of_cases(&folder);
-    std::fs::remove_dir_all(&folder).expect("the folder that the script made");
-    Some(files)
+    Some(files_of_cases(folder.path()))
 }

@@ -70,7 +70,7 @@ impl Bench {
     pub async fn with(settings: Settings) -> Self {
         let scratch = Scratch::new();
         let runner = Arc::new(Scripted::default());
-        let folder = Arc::new(DataFolder::open(&scratch.0).unwrap());
+        let folder = Arc::new(DataFolder::open(scratch.path()).unwrap());
         let store = Arc::new(SqliteStore::open(&folder.database()).await.unwrap());
         let queue = Queue::start(QueueParts {
             store,

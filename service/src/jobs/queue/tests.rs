@@ -14,7 +14,7 @@ struct Bench {
 
 async fn start(scratch: Scratch, worker_count: usize) -> Bench {
     let runner = Arc::new(Scripted::default());
-    let folder = Arc::new(DataFolder::open(&scratch.0).unwrap());
+    let folder = Arc::new(DataFolder::open(scratch.path()).unwrap());
     let store = Arc::new(SqliteStore::open(&folder.database()).await.unwrap());
     let parts = QueueParts {
         store: store.clone(),

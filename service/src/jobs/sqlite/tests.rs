@@ -5,7 +5,7 @@ use meshcolor::measure::Verdict;
 
 async fn store() -> (Scratch, SqliteStore) {
     let scratch = Scratch::new();
-    let store = SqliteStore::open(&scratch.0.join("x.db")).await.unwrap();
+    let store = SqliteStore::open(&scratch.path().join("x.db")).await.unwrap();
     (scratch, store)
 }
 
@@ -171,7 +171,7 @@ async fn pages_hold_every_job_once_newest_first() {
 #[tokio::test]
 async fn the_file_survives_and_commits_are_flushed() {
     let scratch = Scratch::new();
-    let path = scratch.0.join("x.db");
+    let path = scratch.path().join("x.db");
     let store = SqliteStore::open(&path).await.unwrap();
     let id = add(&store).await;
     store.close().await;
