@@ -25,15 +25,15 @@ pub fn open(path: &Path) -> Result<Upload> {
             .map_err(|error| Error::internal(format!("standard input: {error}")))?;
         return Ok(Upload::single("stdin", bytes));
     }
-    let shown = path.display();
-    let missing = |error: std::io::Error| Error::new(ErrorCode::MissingResource, format!("{shown}: {error}"));
+    let missing =
+        |detail: String| Error::new(ErrorCode::MissingResource, detail).at(path.display().to_string());
     // The model itself may be a link; its own folder is where its files are.
-    let real = fs::canonicalize(path).map_err(missing)?;
+    let real = fs::canonicalize(path).map_err(|error| missing(error.to_string()))?;
     if !real.is_file() {
-        return Err(Error::new(ErrorCode::MissingResource, format!("{shown} is not a file")));
+        return Err(missing("it is not a file".into()));
     }
     let (Some(folder), Some(name)) = (real.parent(), real.file_name().and_then(|name| name.to_str())) else {
-        return Err(Error::new(ErrorCode::MissingResource, format!("{shown}: the name is not UTF-8")));
+        return Err(missing("the name is not UTF-8".into()));
     };
     Ok(Upload { main: name.to_owned(), files: Box::new(FolderFiles { root: folder.to_owned() }) })
 }
@@ -137,5 +137,6 @@ mod tests {
     fn a_missing_model_is_the_callers_mistake() {
         let Err(error) = open(Path::new("/nonexistent/chair.glb")) else { panic!("opened") };
         assert_eq!(error.code, ErrorCode::MissingResource);
+        assert_eq!(error.pointer.as_deref(), Some("/nonexistent/chair.glb"));
     }
 }

@@ -14,7 +14,7 @@ use super::Outcome;
 use super::arguments::{ConversionFlags, RunFlags};
 use super::bars::Bar;
 use super::interrupt::Interrupt;
-use super::outcome::UsageError;
+use super::outcome::{UsageError, in_file};
 use super::text::table;
 use crate::input;
 use crate::jobs::model::JobOptions;
@@ -123,7 +123,7 @@ fn has_findings(report: &Report, fail_on: Option<FailOn>) -> bool {
 fn say(path: &Path, checked: &meshcolor::Result<Report>) -> anyhow::Result<()> {
     match checked {
         Ok(report) => write!(stdout(), "{}", table(&path.display().to_string(), report))?,
-        Err(error) => eprintln!("meshcolor: {}: {error} [{}]", path.display(), error.code.name()),
+        Err(error) => eprintln!("meshcolor: {} [{}]", in_file(path, error.clone()), error.code.name()),
     }
     Ok(())
 }

@@ -13,6 +13,7 @@ use super::Outcome;
 use super::arguments::{ConversionFlags, RunFlags};
 use super::bars::Bar;
 use super::interrupt::Interrupt;
+use super::outcome::in_file;
 use super::replace::{BUNDLE_MARK, Sibling, check_free};
 use crate::jobs::model::JobOptions;
 use crate::settings::ModelLimits;
@@ -66,7 +67,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
     let limits = &arguments.limits.0;
     let done = pool.install(|| work::convert(&upload, &options, limits, &watch));
     drop(bar);
-    let written = done.map_err(anyhow::Error::from).and_then(|done| {
+    let written = done.map_err(|error| in_file(&arguments.input, error).into()).and_then(|done| {
         write(&arguments.out, to_stdout, is_zip, &done)?;
         Ok(done)
     });
@@ -77,7 +78,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<Outcome> {
             }
             Ok(Outcome::Fine)
         }
-        Err(error) => Ok(interrupt.over(Outcome::of_error(&error.context(shown)))),
+        Err(error) => Ok(interrupt.over(Outcome::of_error(&error))),
     }
 }
 
@@ -89,11 +90,13 @@ fn write(out: &Path, to_stdout: bool, is_zip: bool, done: &Converted) -> anyhow:
         return Ok(());
     }
     let sibling = Sibling::of(out)?;
-    if is_zip {
-        bundle::write_zip(&done.files, File::create(sibling.path())?)?;
+    let written = if is_zip {
+        let file = File::create(sibling.path()).map_err(anyhow::Error::from);
+        file.and_then(|file| bundle::write_zip(&done.files, file))
     } else {
-        bundle::write_folder(&done.files, sibling.path())?;
-    }
+        bundle::write_folder(&done.files, sibling.path())
+    };
+    written.with_context(|| format!("cannot write {}", out.display()))?;
     sibling.rename_to(out)
 }
 

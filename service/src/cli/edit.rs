@@ -15,6 +15,7 @@ use super::Outcome;
 use super::arguments::RunFlags;
 use super::bars::Bar;
 use super::interrupt::Interrupt;
+use super::outcome::in_file;
 use super::replace::{BUNDLE_MARK, Sibling, check_free};
 use crate::input;
 use crate::settings::ModelLimits;
@@ -158,34 +159,39 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             }
             Ok(Outcome::Fine)
         }
-        Err(error) => Ok(interrupt.over(Outcome::of_error(&error.context(shown)))),
+        Err(error) => Ok(interrupt.over(Outcome::of_error(&error))),
     }
 }
 
 fn edited(operation: &Operation, limits: &Limits, watch: &JobWatch) -> anyhow::Result<Edited> {
-    let asset = read(&input::open(&operation.common().input)?, limits, watch)?;
-    Ok(match operation {
+    let model = |path: &Path| {
+        let asset = input::open(path).and_then(|upload| read(&upload, limits, watch));
+        asset.map_err(|error| in_file(path, error))
+    };
+    let input = &operation.common().input;
+    let asset = model(input)?;
+    let edited = match operation {
         Operation::Resolution { by, filter, faces, .. } => {
             let filter = match filter {
                 Filter::Uniform => MipFilter::Uniform,
                 Filter::Area => MipFilter::Area,
             };
-            edit::resolution(&asset, &faces.selection(), ResolutionChange { by: *by, filter }, limits, watch)?
+            edit::resolution(&asset, &faces.selection(), ResolutionChange { by: *by, filter }, limits, watch)
         }
-        Operation::Delete { faces, .. } => edit::delete(&asset, &faces.selection(), limits, watch)?,
+        Operation::Delete { faces, .. } => edit::delete(&asset, &faces.selection(), limits, watch),
         Operation::Subdivide { scheme, .. } => {
             let scheme = match scheme {
                 SchemeName::Midpoint => Scheme::Midpoint,
                 SchemeName::Loop => Scheme::Loop,
                 SchemeName::CatmullClark => Scheme::CatmullClark,
             };
-            edit::subdivide(&asset, scheme, limits, watch)?
+            edit::subdivide(&asset, scheme, limits, watch)
         }
         Operation::Transfer { to, material, finer, .. } => {
-            let target = read(&input::open(to)?, limits, watch).with_context(|| to.display().to_string())?;
-            edit::transfer(&asset, *material, &target, *finer, limits, watch)?
+            edit::transfer(&asset, *material, &model(to)?, *finer, limits, watch)
         }
-    })
+    };
+    Ok(edited.map_err(|error| in_file(input, error))?)
 }
 
 fn write(out: &Path, glb: &[u8]) -> anyhow::Result<()> {

@@ -1,6 +1,7 @@
 //! How a command ended, as its exit code, and how errors are said on standard error.
 
 use std::io;
+use std::path::Path;
 use std::process::ExitCode;
 
 use meshcolor::ErrorCode;
@@ -46,6 +47,22 @@ impl From<meshcolor::Error> for UsageError {
     fn from(error: meshcolor::Error) -> Self {
         Self(error.detail)
     }
+}
+
+/// A model's error with the path that was asked for in front of its place, so that of several models the right one is
+/// named, and named once.
+pub fn in_file(path: &Path, mut error: meshcolor::Error) -> meshcolor::Error {
+    let shown = path.display().to_string();
+    let name = path.file_name().map(|name| name.display().to_string());
+    let place = error.pointer.take().unwrap_or_default();
+    let behind =
+        |file: &str| place.strip_prefix(file).filter(|rest| rest.is_empty() || rest.starts_with([':', ',']));
+    let named = match behind(&shown).or_else(|| behind(name.as_deref()?)) {
+        Some(rest) => format!("{shown}{rest}"),
+        None if place.is_empty() => shown,
+        None => format!("{shown}: {place}"),
+    };
+    error.at(named)
 }
 
 impl Outcome {
@@ -95,5 +112,21 @@ mod tests {
         assert_eq!(Outcome::of_error(&error), Outcome::Refused);
         assert_eq!(Outcome::of_error(&UsageError("x".into()).into()), Outcome::Usage);
         assert_eq!(Outcome::of_error(&anyhow::anyhow!("x")), Outcome::Failed);
+    }
+
+    #[test]
+    fn files_are_named_once() {
+        let said = |place: Option<&str>| {
+            let error = meshcolor::Error::invalid("why");
+            let error = place.into_iter().fold(error, meshcolor::Error::at);
+            in_file(Path::new("models/a.obj"), error).to_string()
+        };
+        assert_eq!(said(None), "models/a.obj: why");
+        assert_eq!(said(Some("a.obj")), "models/a.obj: why");
+        assert_eq!(said(Some("models/a.obj")), "models/a.obj: why");
+        assert_eq!(said(Some("a.obj:7")), "models/a.obj:7: why");
+        assert_eq!(said(Some("a.obj, face 7")), "models/a.obj, face 7: why");
+        assert_eq!(said(Some("a.obj.mtl:7")), "models/a.obj: a.obj.mtl:7: why");
+        assert_eq!(said(Some("/images/0")), "models/a.obj: /images/0: why");
     }
 }

@@ -14,6 +14,7 @@ use super::Outcome;
 use super::arguments::{ConversionFlags, RunFlags};
 use super::bars::Bar;
 use super::interrupt::Interrupt;
+use super::outcome::in_file;
 use super::replace::{Sibling, check_free};
 use crate::settings::ModelLimits;
 use crate::tradeoff::{self, Manner, RECORD_FILE, Subject, Tradeoff};
@@ -69,6 +70,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let pool = work::thread_pool(arguments.run.threads)?;
     let done = pool.install(|| convert(arguments, &options, &upload, &watch));
     drop(bar);
+    let done = done.map_err(|error| in_file(Path::new(&shown), error).into());
     match done.and_then(|record| Ok((write(&arguments.out, &record)?, record))) {
         Ok((json, record)) => {
             if arguments.json {
@@ -79,7 +81,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             }
             Ok(Outcome::Fine)
         }
-        Err(error) => Ok(interrupt.over(Outcome::of_error(&error.context(shown)))),
+        Err(error) => Ok(interrupt.over(Outcome::of_error(&error))),
     }
 }
 
@@ -88,21 +90,22 @@ fn convert(
     options: &Options,
     upload: &Upload,
     watch: &JobWatch,
-) -> anyhow::Result<Tradeoff> {
+) -> meshcolor::Result<Tradeoff> {
     let limits = &arguments.limits.0;
     watch.stage(Stage::Read);
     let asset = read_with(upload, &options.channels, limits, watch)?;
     let subject =
         Subject { model: &work::title(&upload.main), asset: &asset, read: watch.finish().into_iter().next() };
     let manner = Manner { limits, repeat_count: arguments.repeat, done: 0.02 };
-    Ok(tradeoff::run(&subject, options, &manner, watch)?)
+    tradeoff::run(&subject, options, &manner, watch)
 }
 
 /// Writes the folder and returns the record as its file holds it.
 fn write(out: &Path, record: &Tradeoff) -> anyhow::Result<Vec<u8>> {
     let files = tradeoff::files(record, "")?;
     let sibling = Sibling::of(out)?;
-    bundle::write_folder(&files, sibling.path())?;
+    let written = bundle::write_folder(&files, sibling.path());
+    written.with_context(|| format!("cannot write {}", out.display()))?;
     sibling.rename_to(out)?;
     let json = files.into_iter().find(|file| file.path == RECORD_FILE);
     Ok(json.map(|file| file.bytes).unwrap_or_default())
