@@ -167,4 +167,12 @@ fn the_command_edits_files() {
     assert!(code == Some(0) && error.contains("baseColorTexture, in codes"), "{error}");
     let (code, _, error) = run(&["edit", "delete", "four.glb", "--faces", "9", "-o", "x.glb"], folder);
     assert!(code == Some(2) && error.contains("numbered 0 to 7"), "{error}");
+    let (code, _, error) = run(&["edit", "subdivide", "four.glb", "-o", "x.obj"], folder);
+    assert!(code == Some(2) && error.contains("x.obj does not end in .glb"), "{error}");
+    let (code, out, error) = run(&["edit", "subdivide", "four.glb", "-o", "-", "--quiet"], folder);
+    assert!(code == Some(0) && out.starts_with("glTF") && !folder.join("-").exists(), "{error}");
+    let (code, _, error) = run(&["edit", "subdivide", "four.glb", "-o", "-", "--format", "json"], folder);
+    assert!(code == Some(2) && error.contains("name a file"), "{error}");
+    let (code, out, error) = run(&["check", "four.glb", "--quiet"], folder);
+    assert_eq!((code, out.as_str(), error.as_str()), (Some(0), "", ""));
 }

@@ -78,6 +78,12 @@ impl PaintedChannel {
         self.slots.contains(&Slot::Normal)
     }
 
+    /// A sample within what the channel may hold: interpolation rounds beyond it.
+    pub fn in_range(&self, value: Vec4) -> Vec4 {
+        let (least, most) = self.value_scale.map_or((0.0, 1.0), |_| (-1.0, 1.0));
+        value.clamp(Vec4::splat(least), Vec4::splat(most))
+    }
+
     /// The channel with other samples.
     pub fn with(&self, values: &[Vec4], cuts: Vec<u8>, tangents: Vec<[[f32; 4]; 4]>) -> MeshColorChannel {
         MeshColorChannel {

@@ -11,15 +11,16 @@ use crate::asset::{Asset, Material, MeshColors, Slot};
 use crate::colors::{ChannelTopology, Cuts, LevelNumbering, Shape};
 use crate::error::{Error, ErrorCode, Result};
 use crate::filter::Level;
+use crate::mesh::{CanvasMesh, merge};
 use crate::pipeline::painted::sample_counts;
-use crate::pipeline::prepare::canvas_of;
+use crate::pipeline::prepare::{canvas_of, joinable, normals_of};
 use crate::read::Limits;
-use crate::resample::{Resolution, wanted_exponents};
+use crate::resample::{Resolution, pair_triangles_in_space, wanted_exponents};
 use crate::watch::{self, Watch};
 
 use super::compare::{Picture, errors, filtered};
 use super::nearest::{Place, Surface};
-use super::painting::{Painting, paintings};
+use super::painting::{PaintedChannel, Painting, paintings};
 use super::side::{Side, Spot, spots};
 use super::{EditReport, Edited, MaterialEdit, written};
 
@@ -95,6 +96,8 @@ pub fn transfer(
         ));
     }
     let density = ((squares.sum::<f64>() / area).sqrt() * f64::from(1u32 << finer.min(12))) as f32;
+    let partners = partners(&asset, &canvas, &painting, density);
+    let canvas = merge(&canvas, &partners).canvas;
     let wanted = wanted_exponents(Resolution::Density(density), true, &asset, &canvas, &[]);
     let resolutions = wanted.nearest();
     let cuts = Cuts::none(&canvas);
@@ -121,7 +124,10 @@ pub fn transfer(
         let level = [Level { numbering: &shown, values: &channel.values }];
         let value = |(spot, place): (&Spot, &Place)| {
             let value = filtered(&level)?.linear(place.face as usize, place.at, 0);
-            Ok(if channel.is_normal() { from.turned(value, place.face, &to, spot.face) } else { value })
+            Ok(match channel.is_normal() {
+                true => from.turned(value, place.face, &to, spot.face),
+                false => channel.in_range(value),
+            })
         };
         let values = spots.par_iter().zip(&places).map(value).collect::<Result<Vec<Vec4>>>()?;
         let painted = [Level { numbering: &numbering, values: &values }];
@@ -129,11 +135,20 @@ pub fn transfer(
         report.channels.push(errors(channel, &pictures, &surfaces, watch)?);
         channels.push(channel.with(&values, Vec::new(), Vec::new()));
     }
-    let partners = vec![None; canvas.faces.len()];
     let colors = MeshColors { partners, exponents: resolutions.faces.clone(), channels };
     let edit = MaterialEdit { material: number, ..MaterialEdit::of(&painting, &colors) };
     let glb = written(&asset, vec![(number, colors)], true, None, watch)?;
     Ok(Edited { glb, report: EditReport { materials: vec![edit], transfer: Some(report) } })
+}
+
+/// The triangles that become quads, of a model that is painted with `density` samples for a unit of length. A lone triangle's
+/// texels are restricted by more than its samples, those of a quad are not.
+fn partners(asset: &Asset, canvas: &CanvasMesh, painting: &Painting, density: f32) -> Vec<Option<u32>> {
+    let has_normals = painting.channels.iter().any(PaintedChannel::is_normal);
+    let normals = has_normals.then(|| normals_of(asset, canvas));
+    let mut positions = Side::new(asset, canvas).positions;
+    positions.iter_mut().for_each(|position| *position *= f64::from(density));
+    pair_triangles_in_space(canvas, &positions, &joinable(canvas, &[], normals.as_deref()))
 }
 
 fn the_one(paintings: Vec<Painting>, material: Option<usize>) -> Result<Painting> {

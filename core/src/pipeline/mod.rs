@@ -36,7 +36,7 @@ pub use prepare::{Content, Prepared, prepare};
 pub use vertex_colors::VertexColors;
 
 use crate::asset::Asset;
-use crate::error::{Error, ErrorCode, Result};
+use crate::error::{Error, ErrorCode, Result, Warning};
 use crate::finished::{self, Finished};
 use crate::measure::{self, Report, SubjectKind};
 use crate::read::{Limits, Upload, read, read_with};
@@ -57,6 +57,8 @@ const CONVERSION_SHARE: f32 = 0.7;
 const MEASURE_SHARE: f32 = 0.15;
 /// Of the conversion: what comes before any channel's samples.
 const PREPARED_SHARE: f32 = 0.2;
+/// How many of reading's warnings an error repeats.
+const TOLD_COUNT: usize = 3;
 
 /// The version that stands in reports and manifests.
 pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -177,9 +179,10 @@ fn convert_materials(
     if prepared.is_empty() {
         let detail = format!(
             "the model has {} materials and none of them has both faces and something to convert: a texture in one of the five \
-             core slots, a channel, mesh colors, or vertex colors ({}); give it a textured material, or an image by `channel`",
+             core slots, a channel, mesh colors, or vertex colors ({}); give it a textured material, or an image by `channel`{}",
             asset.materials.len(),
-            vertex_colors::rule(options.vertex_colors)
+            vertex_colors::rule(options.vertex_colors),
+            told_of(&asset.warnings)
         );
         return Err(Error::new(ErrorCode::NothingToConvert, detail).at("/materials"));
     }
@@ -194,6 +197,14 @@ fn convert_materials(
         .map(|(prepared, arranged)| convert_material(asset, prepared, arranged, options, watch, progress))
         .collect();
     Ok((converted?, sets))
+}
+
+/// What reading left out may be why nothing is left; the first few say so.
+fn told_of(warnings: &[Warning]) -> String {
+    let one = |warning: &Warning| {
+        format!(". While reading: {} ({}, {} of them)", warning.detail, warning.pointer, warning.count)
+    };
+    warnings.iter().take(TOLD_COUNT).map(one).collect()
 }
 
 /// Measures a model: a converted file by its own coordinates, a plain source by its mip maps. Of mesh colors it holds faces, exponents,

@@ -129,7 +129,7 @@ pub fn normals_of(asset: &Asset, canvas: &CanvasMesh) -> Vec<[Vec3; 4]> {
 
 /// Edges whose texels may be stored once, in a pair of triangles or in a larger block: no channel cuts them, and with
 /// a normal map both sides have the same normals there.
-fn joinable(canvas: &CanvasMesh, cuts: &[Cuts], normals: Option<&[[Vec3; 4]]>) -> Vec<bool> {
+pub fn joinable(canvas: &CanvasMesh, cuts: &[Cuts], normals: Option<&[[Vec3; 4]]>) -> Vec<bool> {
     let one = |(number, edge): (usize, &CanvasEdge)| {
         let &[a, b] = canvas.sides(edge) else { return false };
         let same_normals = |normals: &[[Vec3; 4]]| {

@@ -69,6 +69,7 @@ pub fn of_conversion(
     report.growth.converted_vertices = glb.vertex_count;
     report.warnings.extend(write::losses(asset, finished));
     report.warnings.extend(report.channels.iter().filter_map(unsolved));
+    report.warnings.extend(report.channels.iter().filter_map(changed));
     report.warnings.extend(materials.iter().flat_map(unfitted));
     let parts = finished.parts();
     for layout in &mut report.layouts {
@@ -106,6 +107,25 @@ fn unsolved(channel: &ChannelReport) -> Option<Warning> {
         ),
         pointer: format!("/materials/{}/{}", channel.material, channel.slots.join("+")),
         count: 1 + levels.count() as u64,
+    })
+}
+
+/// What more than one of twenty samples of level 0 may change by before it is told, in codes.
+const TOLD_CHANGE: f64 = 4.0;
+
+/// A channel whose picture is another one, since the texels beside its faces could not be stored otherwise.
+fn changed(channel: &ChannelReport) -> Option<Warning> {
+    let finest = channel.solver.iter().find(|level| level.level == 0);
+    let finest = finest.filter(|level| level.change_p95_codes > TOLD_CHANGE)?;
+    Some(Warning {
+        code: "samples_changed".to_owned(),
+        detail: format!(
+            "level 0: to have no seams, samples were changed by {:.1} codes in the mean, at most {:.1}; with more samples on its \
+             faces, or triangles in pairs as quads, less changes",
+            finest.change_mean_codes, finest.change_max_codes
+        ),
+        pointer: format!("/materials/{}/{}", channel.material, channel.slots.join("+")),
+        count: 1,
     })
 }
 

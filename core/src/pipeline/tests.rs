@@ -2,6 +2,7 @@
 
 mod filters;
 mod reference;
+mod told;
 
 use std::collections::HashMap;
 
@@ -10,7 +11,9 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
 use super::*;
-use crate::asset::{Face, Material, Mesh, Primitive, Slot, TextureRef, UvTransform};
+use crate::asset::{
+    Attribute, Face, Material, Mesh, Primitive, Slot, TextureRef, UvTransform, VERTEX_COLORS,
+};
 use crate::image::{Image, Pixels, Transfer, Wrap, WrapMode, bilinear};
 use crate::watch::Unwatched;
 

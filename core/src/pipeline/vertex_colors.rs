@@ -103,7 +103,9 @@ fn has_texture(asset: &Asset, material: usize) -> bool {
 }
 
 fn is_colored(primitive: &Primitive) -> bool {
-    primitive.vertex_colors().is_some_and(|colors| colors.iter().any(|color| *color != Vec4::ONE))
+    // Those that are white since they are clamped are none.
+    primitive.unbounded_color_count() > 0
+        || primitive.vertex_colors().is_some_and(|colors| colors.iter().any(|color| *color != Vec4::ONE))
 }
 
 fn is_moving(primitive: &Primitive) -> bool {

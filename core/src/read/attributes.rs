@@ -152,11 +152,13 @@ fn check_faces(asset: &Asset, material: usize, source: &AttributeSource) -> Resu
         for (place, primitive) in mesh.primitives.iter().enumerate() {
             let is_shown = primitive.material == Some(material) && !primitive.faces.is_empty();
             if is_shown && primitive.texcoords.get(source.texcoord).is_none_or(Vec::is_empty) {
+                let count = primitive.texcoords.len();
+                let remedy =
+                    if count == 0 { "give it some" } else { "choose one by #SET behind the file's name" };
                 return Err(refused(format!(
-                    "channel {channel} is placed by TEXCOORD_{}, and /meshes/{number}/primitives/{place} has {} sets of texture \
-                     coordinates; choose one by #SET behind the file's name, or name a material that has it",
+                    "channel {channel} is placed by TEXCOORD_{}, and /meshes/{number}/primitives/{place} has {count} sets of texture \
+                     coordinates; {remedy}, or name a material that has it",
                     source.texcoord,
-                    primitive.texcoords.len()
                 )));
             }
         }

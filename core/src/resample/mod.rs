@@ -21,7 +21,7 @@ mod tests;
 pub use budget::{Candidates, Choice, Spent, spend};
 pub use cuts::find_cuts;
 pub use fitted::Fit;
-pub use pairing::pair_triangles;
+pub use pairing::{pair_triangles, pair_triangles_in_space};
 pub use rate::Rates;
 pub use resolution::{Resolution, WantedExponents, wanted_exponents};
 pub use samples::{Samples, Sampling, sample};

@@ -1,6 +1,6 @@
 //! Which triangles become quads: the pairs that save most texels.
 
-use glam::Vec2;
+use glam::{DVec3, Vec2};
 
 use crate::math::matching::{WeightedEdge, maximum_weight_matching};
 use crate::mesh::{CanvasEdge, CanvasMesh, Side};
@@ -20,10 +20,24 @@ pub fn pair_triangles(
     sources: &[SurfaceSource<'_>],
     joinable: &[bool],
 ) -> Vec<Option<u32>> {
-    let costs = Costs { canvas, source: finest(canvas, sources) };
+    let Some(source) = finest(canvas, sources) else { return vec![None; canvas.faces.len()] };
+    matched(&Costs { canvas, lengths: Lengths::Source(source) }, joinable)
+}
+
+/// The same without a source. `positions` of the canvas' vertices are in texels.
+pub fn pair_triangles_in_space(
+    canvas: &CanvasMesh,
+    positions: &[DVec3],
+    joinable: &[bool],
+) -> Vec<Option<u32>> {
+    matched(&Costs { canvas, lengths: Lengths::Space(positions) }, joinable)
+}
+
+fn matched(costs: &Costs<'_>, joinable: &[bool]) -> Vec<Option<u32>> {
+    let canvas = costs.canvas;
     let candidates: Vec<WeightedEdge> = (canvas.edges.iter().zip(joinable))
         .filter(|(_, joinable)| **joinable)
-        .filter_map(|(edge, _)| candidate(&costs, edge))
+        .filter_map(|(edge, _)| candidate(costs, edge))
         .collect();
     maximum_weight_matching(canvas.faces.len(), &candidates)
 }
@@ -59,7 +73,14 @@ fn candidate(costs: &Costs<'_>, edge: &CanvasEdge) -> Option<WeightedEdge> {
 /// What faces cost in texels where every side gets a sample for each texel of the source.
 struct Costs<'a> {
     canvas: &'a CanvasMesh,
-    source: Option<&'a SurfaceSource<'a>>,
+    lengths: Lengths<'a>,
+}
+
+/// What tells how many texels a side has.
+enum Lengths<'a> {
+    Source(&'a SurfaceSource<'a>),
+    /// Positions by vertex, in texels.
+    Space(&'a [DVec3]),
 }
 
 impl Costs<'_> {
@@ -81,7 +102,10 @@ impl Costs<'_> {
 
     /// Of vertex colors alone, a number below [`TIES`]: the larger, the less a pair's two triangles are bent against each other.
     fn smoothness(&self, a: Side, b: Side) -> Option<i64> {
-        let source = self.source.filter(|source| source.channel.is_bare())?;
+        let Lengths::Source(source) = self.lengths else { return None };
+        if !source.channel.is_bare() {
+            return None;
+        }
         let tint =
             |side: Side, k: usize| source.tint(side.face as usize, (0, (usize::from(side.edge) + k) % 3));
         let kink = kink_codes([tint(a, 0)?, tint(a, 1)?], [tint(a, 2)?, tint(b, 2)?]);
@@ -91,7 +115,7 @@ impl Costs<'_> {
     /// A number below half of [`TIES`] by where in the source the side lies. So which of several matchings that save as
     /// much is found does not depend on the order of faces.
     fn tie(&self, side: Side) -> i64 {
-        let Some(source) = self.source else { return 0 };
+        let Lengths::Source(source) = self.lengths else { return 0 };
         let places = source.places(side.face as usize)[0];
         let [from, to] = [places[usize::from(side.edge)], places[(usize::from(side.edge) + 1) % 3]];
         let size = Vec2::new(source.channel.image.width as f32, source.channel.image.height as f32);
@@ -101,13 +125,20 @@ impl Costs<'_> {
         (mixed * (TIES / 2) as f32) as i64
     }
 
-    /// Lengths of a triangle's sides in texels of the source, from the one that is named on.
+    /// Lengths of a triangle's sides in texels, from the one that is named on.
     fn sides(&self, side: Side) -> [f32; 3] {
-        let Some(source) = self.source else { return [1.0; 3] };
-        let places = source.places(side.face as usize)[0];
-        let length = |k: usize| Vec2::distance(places[k % 3], places[(k + 1) % 3]);
-        let first = usize::from(side.edge);
-        [length(first), length(first + 1), length(first + 2)]
+        let face = side.face as usize;
+        let lengths = match self.lengths {
+            Lengths::Source(source) => {
+                let places = source.places(face)[0];
+                [0, 1, 2].map(|k| Vec2::distance(places[k], places[(k + 1) % 3]))
+            }
+            Lengths::Space(positions) => {
+                let corners = self.canvas.faces[face].vertices.map(|vertex| positions[vertex as usize]);
+                [0, 1, 2].map(|k| DVec3::distance(corners[k], corners[(k + 1) % 3]) as f32)
+            }
+        };
+        [0, 1, 2].map(|k| lengths[(usize::from(side.edge) + k) % 3])
     }
 }
 

@@ -84,7 +84,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             Err(error) => Outcome::of_code(error.code),
         });
         match arguments.format {
-            Format::Text => say(path, &checked)?,
+            Format::Text => say(path, &checked, arguments.run.quiet)?,
             Format::Json => entries.push(entry(path, &checked)),
         }
     }
@@ -120,8 +120,9 @@ fn has_findings(report: &Report, fail_on: Option<FailOn>) -> bool {
     }
 }
 
-fn say(path: &Path, checked: &meshcolor::Result<Report>) -> anyhow::Result<()> {
+fn say(path: &Path, checked: &meshcolor::Result<Report>, quiet: bool) -> anyhow::Result<()> {
     match checked {
+        Ok(_) if quiet => {}
         Ok(report) => write!(stdout(), "{}", table(&path.display().to_string(), report))?,
         Err(error) => eprintln!("meshcolor: {} [{}]", in_file(path, error.clone()), error.code.name()),
     }

@@ -15,12 +15,15 @@ use super::Outcome;
 use super::arguments::RunFlags;
 use super::bars::Bar;
 use super::interrupt::Interrupt;
-use super::outcome::in_file;
+use super::outcome::{UsageError, in_file};
 use super::replace::{BUNDLE_MARK, Sibling, check_free};
 use crate::input;
 use crate::settings::ModelLimits;
 use crate::watch::{JobWatch, Progress, Stop};
 use crate::work;
+
+/// As a name of a file.
+const STANDARD_OUTPUT: &str = "-";
 
 #[derive(Args)]
 pub struct Arguments {
@@ -43,7 +46,7 @@ enum Operation {
         #[command(flatten)]
         common: Common,
     },
-    /// Take faces out of the model
+    /// Take faces out of the model, of which some have to be left
     Delete {
         #[command(flatten)]
         faces: FaceFlags,
@@ -60,7 +63,7 @@ enum Operation {
     },
     /// Paint another model with what this one shows at the nearest points, and measure the error
     Transfer {
-        /// The model to paint: .glb, .gltf, .obj or .zip
+        /// The model to paint: .glb, .gltf, .obj, .ply or .zip
         #[arg(long, env = "MESHCOLOR_TO", value_name = "MODEL")]
         to: PathBuf,
         /// Which painted material, where there are several
@@ -94,7 +97,7 @@ struct Common {
     /// A model with mesh colors (`meshcolor convert --mesh-colors` writes mesh_colors.glb); `-` is standard input
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// The .glb to write
+    /// The .glb to write; `-` is standard output
     #[arg(short = 'o', long, env = "MESHCOLOR_OUT", value_name = "OUT")]
     out: PathBuf,
     /// Replace a file that is there already
@@ -136,7 +139,7 @@ enum Format {
 pub fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let common = arguments.operation.common();
     crate::logging::start(if common.run.quiet { "error" } else { "warn" });
-    check_free(&common.out, true, common.force, BUNDLE_MARK)?;
+    check_out(common)?;
     let stop = Arc::new(Stop::default());
     let interrupt = Interrupt::listen(stop.clone())?;
     let (sender, progress) = watch::channel(Progress::default());
@@ -194,7 +197,30 @@ fn edited(operation: &Operation, limits: &Limits, watch: &JobWatch) -> anyhow::R
     Ok(edited.map_err(|error| in_file(input, error))?)
 }
 
+/// Refuses a name that the file cannot have.
+fn check_out(common: &Common) -> anyhow::Result<()> {
+    let out = &common.out;
+    if out == Path::new(STANDARD_OUTPUT) {
+        return match common.format {
+            Format::Text => Ok(()),
+            Format::Json => {
+                let detail =
+                    "`--format json` goes to standard output, and so does the file by `-o -`; name a file";
+                Err(UsageError(detail.to_owned()).into())
+            }
+        };
+    }
+    if !out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb")) {
+        let detail = format!("{} does not end in .glb, which is what is written; name it so", out.display());
+        return Err(UsageError(detail).into());
+    }
+    check_free(out, true, common.force, BUNDLE_MARK)
+}
+
 fn write(out: &Path, glb: &[u8]) -> anyhow::Result<()> {
+    if out == Path::new(STANDARD_OUTPUT) {
+        return stdout().lock().write_all(glb).context("standard output");
+    }
     let sibling = Sibling::of(out)?;
     std::fs::write(sibling.path(), glb).with_context(|| format!("cannot write {}", out.display()))?;
     sibling.rename_to(out)

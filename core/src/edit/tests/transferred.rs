@@ -56,6 +56,29 @@ fn smooth_pictures_come_over_almost_as_they_are() {
 }
 
 #[test]
+fn triangles_get_partners_and_samples_stay_in_range() {
+    // White all over: interpolated it may come out above 1.
+    let mut asset = painted_box(0);
+    let colors = asset.materials[0].mesh_colors.as_mut().unwrap();
+    colors.channels.iter_mut().for_each(|channel| channel.samples.fill(1.0));
+    let mut target = bare(asset.clone());
+    let faces = &mut target.meshes[0].primitives[0].faces;
+    let halves = |face: &Face| {
+        let [a, b, c, d] = face.corners;
+        let pair = [[a, b, c], [a, c, d]].map(Face::triangle);
+        pair.into_iter().take(usize::from(face.count) - 2)
+    };
+    *faces = faces.iter().flat_map(halves).collect();
+    let count = faces.len();
+    let (painted, _) = transferred(&asset, &target, 1);
+    let colors = painted.materials[0].mesh_colors.as_ref().or(painted.materials[1].mesh_colors.as_ref());
+    let colors = colors.unwrap();
+    assert_eq!(colors.partners.len(), count);
+    assert!(colors.partners.iter().flatten().count() > count / 2, "{:?}", colors.partners);
+    assert!(colors.channels.iter().flat_map(|channel| &channel.samples).all(|value| *value <= 1.0));
+}
+
+#[test]
 fn what_is_missing_for_a_transfer_is_said() {
     let asset = painted_box(0);
     let run = |source: &Asset, material, target: &Asset, limits: &Limits| {

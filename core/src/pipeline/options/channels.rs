@@ -7,6 +7,8 @@ use crate::error::Result;
 use crate::read::{AttributeSource, TEXCOORD_SETS_MAX};
 
 const OPTION: &str = "channel";
+const MISSING_IMAGE: &str = "there is no `=` before the image (commas stand between channels, so neither a file nor a material can be \
+                             named that has one in its name)";
 
 /// # Errors
 /// `InvalidOptions` with what is wrong with which of them.
@@ -19,7 +21,7 @@ pub fn parse(value: &str) -> Result<Vec<AttributeSource>> {
 
 fn parse_one(text: &str) -> Result<AttributeSource> {
     let wrong = |reason: &str| refused_because(OPTION, text, reason);
-    let (target, image) = text.split_once('=').ok_or_else(|| wrong("there is no `=` before the image"))?;
+    let (target, image) = text.split_once('=').ok_or_else(|| wrong(MISSING_IMAGE))?;
     let (name, material) = match target.split_once('@') {
         Some((name, material)) => (name, Some(material.to_owned())),
         None => (target, None),

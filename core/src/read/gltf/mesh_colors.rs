@@ -1,5 +1,7 @@
 //! `MCT_mesh_colors`: quads of a primitive, and the samples of a material (docs/mesh_colors.md).
 
+use std::ops::RangeInclusive;
+
 use ::gltf::accessor::Dimensions;
 
 use super::super::Context;
@@ -18,6 +20,10 @@ use crate::error::Result;
 const UNIT_TOLERANCE: f32 = 1e-3;
 
 const OUT_OF_RANGE: &str = "channels with samples outside of [0, 1], which is all that a texture slot holds; the nearest in it are taken";
+/// Lengths of normals that pass for unit: those between two others are shorter.
+const UNIT_LENGTHS: RangeInclusive<f32> = 0.5..=1.01;
+const NOT_UNIT: &str = "channels with normals far from unit length (shorter than 0.5 or longer than 1.01), which may be no normals at all; \
+                        where they point is what is taken";
 
 /// Joins triangles that a primitive names as quads; whether it names any.
 pub(super) fn join_quads(
@@ -43,7 +49,8 @@ pub(super) fn join_quads(
         let ([a, b, c, _], [d, e, f, _]) = (one.corners, other.corners);
         if [a, c] != [d, e] {
             return Err(at.error(format!(
-                "triangles {first} and {} are no quad: the vertices of the two have to be a b c and a c d",
+                "triangles {first} and {} are no quad: their vertex indices are {a} {b} {c} and {d} {e} {f}, and have to be a b c \
+                 and a c d",
                 first + 1
             )));
         }
@@ -75,8 +82,15 @@ pub(super) fn read(
                 && channel.value_scale.is_none()
                 && channel.samples.iter().any(|value| !(0.0..=1.0).contains(value))
         };
+        let is_far_from_unit = |normal: &[f32]| !UNIT_LENGTHS.contains(&length(normal));
+        let has_odd_normals = |channel: &&MeshColorChannel| {
+            channel.slots.contains(&Slot::Normal) && channel.samples.chunks_exact(3).any(is_far_from_unit)
+        };
         for _ in colors.channels.iter().filter(leaves_range) {
             context.warnings.add("mesh_color_out_of_range", &own.pointer, OUT_OF_RANGE);
+        }
+        for _ in colors.channels.iter().filter(has_odd_normals) {
+            context.warnings.add("mesh_color_not_unit", &own.pointer, NOT_UNIT);
         }
         for slot in colors.channels.iter().flat_map(|channel| &channel.slots) {
             material.slots.remove(slot);
@@ -215,13 +229,15 @@ fn read_channel(at: &At, face_count: usize, store: &Store, budget: &mut Budget) 
 fn value_scale(at: &At, slots: &[Slot], bits: u8) -> Result<Option<f32>> {
     let Some(scale) = at.number("valueScale")? else { return Ok(None) };
     if !slots.iter().all(Slot::is_attribute) || bits != 16 {
-        return Err(at.error("`valueScale` is for attributes of 16 bits alone"));
+        return Err(
+            at.error("`valueScale` is for channels of 16 bits beside the core slots (NAMETexture) alone")
+        );
     }
     if (VALUE_SCALES[0]..=VALUE_SCALES[1]).contains(&scale) {
         return Ok(Some(scale));
     }
     let [low, high] = VALUE_SCALES;
-    Err(at.error(format!("`valueScale` is {scale}; allowed is {low:e} to {high:e}")))
+    Err(at.error(format!("`valueScale` is {scale}; allowed is 2^-100 to 2^100 ({low:e} to {high:e})")))
 }
 
 fn check_sizes(at: &At, samples: &[f32], scale: f32) -> Result<()> {
@@ -237,7 +253,7 @@ fn check_sizes(at: &At, samples: &[f32], scale: f32) -> Result<()> {
 fn slots(at: &At) -> Result<Vec<Slot>> {
     let mut slots = Vec::new();
     for name in at.list("slots")? {
-        let name = name.as_str().unwrap_or_default();
+        let name = name.as_str().ok_or_else(|| at.error("`slots` is a list of strings"))?;
         let slot = Slot::of_gltf_name(name).ok_or_else(|| {
             let names = Slot::CORE.each_ref().map(Slot::gltf_name).join(", ");
             let attributes = AttributeName::RULE;
@@ -257,9 +273,9 @@ fn slots(at: &At) -> Result<Vec<Slot>> {
     let kind = |slot: Slot| (slot.is_color(), slot.is_attribute());
     let is_apart = |one: Slot| one == Slot::Normal || kind(one) != kind(slots[0]);
     if slots[1..].iter().any(|&slot| is_apart(slot)) || slots.len() > 1 && slots[0] == Slot::Normal {
-        return Err(
-            at.error("slots of one channel hold one kind of thing: color, data, normals, or attributes")
-        );
+        return Err(at.error(
+            "slots of one channel hold one kind of thing: color, data, normals, or what NAMETexture holds",
+        ));
     }
     Ok(slots)
 }
@@ -280,12 +296,15 @@ fn check_count(at: &At, count: usize, wanted: usize, rule: &str) -> Result<()> {
     Err(at.error(format!("there are {count} entries; {wanted} are needed, {rule}")))
 }
 
+fn length(vector: &[f32]) -> f32 {
+    vector.iter().map(|x| x * x).sum::<f32>().sqrt()
+}
+
 /// Each all zero, or of unit length with a handedness.
 fn tangents(at: &At, numbers: &[f32]) -> Result<Vec<[[f32; 4]; 4]>> {
     let tangent = |(number, four): (usize, &[f32])| {
         let tangent = [four[0], four[1], four[2], four[3]];
-        let length = four[..3].iter().map(|x| x * x).sum::<f32>().sqrt();
-        let is_unit = (length - 1.0).abs() <= UNIT_TOLERANCE && four[3].abs() == 1.0;
+        let is_unit = (length(&four[..3]) - 1.0).abs() <= UNIT_TOLERANCE && four[3].abs() == 1.0;
         if is_unit || tangent == [0.0; 4] {
             return Ok(tangent);
         }

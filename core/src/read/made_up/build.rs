@@ -93,6 +93,16 @@ fn colored(soup: &Soup, context: &mut Context) -> bool {
     soup.is_colored()
 }
 
+/// The corners of a polygon that are not what the one before them is; all, where too few are left.
+fn without_repeats(indices: &[u32]) -> Vec<usize> {
+    let all = 0..indices.len();
+    let is_new = |slot: &usize| *slot == 0 || indices[*slot] != indices[slot - 1];
+    let mut ring: Vec<usize> = all.clone().filter(is_new).collect();
+    // The last one is before the first.
+    ring.pop_if(|last| *last > 0 && indices[*last] == indices[0]);
+    if ring.len() < 3 { all.collect() } else { ring }
+}
+
 impl Builder<'_> {
     fn add(&mut self, soup: &Soup, polygon: &Polygon, context: &mut Context) -> Result<()> {
         let at = |error: Error| error.at(soup.place(polygon));
@@ -110,11 +120,14 @@ impl Builder<'_> {
                 }
             });
         }
+        let ring = without_repeats(&indices);
+        let (indices, corners): (Vec<u32>, Vec<&Corner>) =
+            ring.iter().map(|&slot| (indices[slot], &corners[slot])).unzip();
         let position = |corner: &Corner| soup.positions[corner.position as usize];
         match indices[..] {
             [a, b, c] => self.primitive.faces.push(Face::triangle([a, b, c])),
             [a, b, c, d] => {
-                let positions = [0, 1, 2, 3].map(|corner: usize| position(&corners[corner]));
+                let positions = [0, 1, 2, 3].map(|corner: usize| position(corners[corner]));
                 if geometry::has_side_without_length(positions) {
                     self.primitive.faces.extend([[a, b, c], [a, c, d]].map(Face::triangle));
                 } else {

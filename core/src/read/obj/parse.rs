@@ -26,6 +26,9 @@ pub(super) struct Parsed {
     pub libraries: Vec<(Vec<u8>, usize)>,
 }
 
+const CLAMPED_COLOR: &str = "vertex colors outside of [0, 1]; the nearest in it were taken, so those of 0 to 255 are to be divided by 255";
+const ALPHA: &str = "vertices with a 7th number, which behind x y z r g b is alpha; it was left out";
+
 /// Names by number of first use.
 #[derive(Debug, Default)]
 pub(super) struct Names {
@@ -74,7 +77,7 @@ impl Parser<'_, '_> {
     fn statement(&mut self, statement: &[u8], line: usize, file: &str) -> Result<()> {
         let (word, rest) = split_word(statement);
         match word {
-            b"v" => self.vertex(rest),
+            b"v" => self.vertex(rest, &|| format!("{file}:{line}")),
             b"vt" => self.texcoord(rest),
             b"vn" => self.normal(rest),
             b"f" | b"fo" => self.face(rest, line),
@@ -100,7 +103,7 @@ impl Parser<'_, '_> {
         }
     }
 
-    fn vertex(&mut self, rest: &[u8]) -> Result<()> {
+    fn vertex(&mut self, rest: &[u8], place: &dyn Fn() -> String) -> Result<()> {
         let (numbers, count) = numbers::<7>(rest, POSITION_MAX)?;
         let color = match count {
             // With a weight, which only free-form curves use.
@@ -108,7 +111,9 @@ impl Parser<'_, '_> {
             // With an alpha, which OBJ readers leave out.
             6 | 7 => Some([numbers[3], numbers[4], numbers[5]]),
             _ => {
-                let detail = format!("`v` has {count} numbers; a position has 3 or 4, with a color 6 or 7");
+                let detail = format!(
+                    "`v` has {count} numbers; allowed are x y z, x y z w, x y z r g b and x y z r g b a"
+                );
                 return Err(Error::invalid(detail));
             }
         };
@@ -117,6 +122,16 @@ impl Parser<'_, '_> {
         if let Some(color) = color
             && parsed.colors.len() == parsed.positions.len()
         {
+            let is_bounded = color.iter().all(|value| (0.0..=1.0).contains(value));
+            for (code, detail, is_so) in [
+                ("clamped_color", CLAMPED_COLOR, !is_bounded),
+                ("ignored_alpha", ALPHA, count == 7 && numbers[6] != 1.0),
+            ] {
+                if is_so {
+                    self.context.warnings.add(code, &place(), detail);
+                }
+            }
+            let color = color.map(|value| value.clamp(0.0, 1.0));
             // Painting tools store what they show, glTF's COLOR_0 is linear.
             parsed.colors.push(Vec3::from_array(color.map(srgb_to_linear)).extend(1.0));
         }

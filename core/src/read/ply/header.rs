@@ -183,7 +183,8 @@ fn element(rest: &[u8]) -> Result<Element> {
 fn property(rest: &[u8]) -> Result<Property> {
     let wrong = || {
         Error::invalid(format!(
-            "the property {} is neither `TYPE NAME` nor `list TYPE TYPE NAME` of known types",
+            "the property {} is neither `TYPE NAME` nor `list COUNT TYPE NAME`; a TYPE is char, uchar, short, ushort, int, uint, \
+             float, double or one of int8 to float64, a COUNT a whole one of these",
             quoted_bytes(rest)
         ))
     };

@@ -34,17 +34,32 @@ fn quads_stay_and_indices_count_both_ways() {
 #[test]
 fn a_quad_with_a_side_of_no_length_is_two_triangles() {
     // The fifth vertex is where the first is.
-    for (face, expected) in [
-        ("f 1 2 3 5", vec![vec![0, 1, 2], vec![0, 2, 3]]),
-        ("f 2 3 3 4", vec![vec![0, 1, 1], vec![0, 1, 2]]),
-        ("f 1 2 5 3", vec![vec![0, 1, 2, 3]]),
-    ] {
+    for (face, expected) in
+        [("f 1 2 3 5", vec![vec![0, 1, 2], vec![0, 2, 3]]), ("f 1 2 5 3", vec![vec![0, 1, 2, 3]])]
+    {
         assert_eq!(
             corners(&read_text(&format!("{SQUARE}v 0 0 -0.0\n{face}\n")).unwrap()),
             expected,
             "{face}"
         );
     }
+}
+
+#[test]
+fn corners_that_repeat_the_one_before_are_left_out() {
+    for (face, expected) in [
+        ("f 2 3 3 4", vec![vec![0, 1, 2]]),
+        ("f 1 2 3 4 4", vec![vec![0, 1, 2, 3]]),
+        ("f 1 1 2 3 4 1", vec![vec![0, 1, 2, 3]]),
+        ("f 1 2 2", vec![vec![0, 1, 1]]),
+        ("f 1 1 1 1", vec![vec![0, 0, 0], vec![0, 0, 0]]),
+    ] {
+        let asset = read_text(&format!("{SQUARE}{face}\n")).unwrap();
+        assert_eq!(corners(&asset), expected, "{face}");
+    }
+    // With other coordinates it is another corner.
+    let asset = read_text(&format!("{SQUARE}vt 0 0\nvt 1 1\nf 1/1 2/1 3/1 3/2\n")).unwrap();
+    assert_eq!(corners(&asset), [[0, 1, 2], [0, 2, 3]]);
 }
 
 #[test]
@@ -111,6 +126,15 @@ fn vertex_colors_are_an_attribute_where_all_have_them() {
     assert!(first(&asset).attributes.is_empty());
     assert_eq!((asset.warnings[0].code.as_str(), asset.warnings[0].count), ("partial_vertex_colors", 1));
     assert!(read_text("v 1 2 3 4 5\n").is_err());
+}
+
+#[test]
+fn what_vertex_colors_lose_is_told() {
+    let asset = read_text("v 0 0 0 255 0.5 -1\nv 1 0 0 1 1 1 0.5\nv 0 1 0 0 0 200 1\nf 1 2 3\n").unwrap();
+    let told = |code: &str| asset.warnings.iter().find(|known| known.code == code).map(|known| known.count);
+    assert_eq!((told("clamped_color"), told("ignored_alpha")), (Some(2), Some(1)));
+    assert!(first(&asset).vertex_colors().unwrap().iter().all(|color| color.max_element() <= 1.0));
+    assert_eq!(first(&asset).unbounded_color_count(), 0);
 }
 
 #[test]
