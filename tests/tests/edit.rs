@@ -130,7 +130,8 @@ fn the_pirate_is_painted_and_converted() {
     let edited = edit::transfer(&source, None, &target, 0, &Limits::default(), &Unwatched).unwrap();
     let report = edited.report.transfer.clone().unwrap();
     println!("the pirate, {} faces: {report:#?}", edited.report.materials[0].face_count);
-    assert_eq!(edited.report.materials[0].face_count, 5010);
+    // Of 5010 triangles all but 34 have a partner.
+    assert_eq!(edited.report.materials[0].face_count, 2522);
     assert!(report.distance_max.is_finite() && report.distance_rms > 0.0);
     expect_sound("pirate", &edited);
 }

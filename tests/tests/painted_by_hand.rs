@@ -123,8 +123,8 @@ fn edges_run_as_the_page_says() {
 #[test]
 fn triangles_alone_tell_what_they_cost() {
     let halves = [[0, 1, 2], [0, 2, 3]];
-    // Over the diagonal of the first triangle lies 1 + 1 - 0.
-    let samples = [0.0, 1.0, 1.0, 0.0].map(Vec3::splat);
+    // Whichever corner a triangle's half square lacks, what lies there has a component of 0 + 0 - 1.
+    let samples = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::Y];
     assert_eq!(told(&square(halves, DATA, &[[0; 2]; 2], &samples), "samples_changed"), 1);
     assert_eq!(told(&square(halves, DATA, &[[0; 2]], &samples), "samples_changed"), 0, "partners");
     let samples = samples.map(|sample| sample * 0.3 + 0.3);
