@@ -57,10 +57,12 @@ fn places(first: [u32; 3], second: [u32; 3]) -> Vec<Vec3> {
     places
 }
 
-/// The square of two triangles. `exponents` are of both triangles, or of both at once as partners.
-fn square(triangles: [[u32; 3]; 2], slot: &str, exponents: &[[u8; 2]], samples: &[Vec3]) -> Upload {
+/// Triangles over the square's corners. `exponents` are of all of them, or of each two as partners.
+fn square(triangles: &[[u32; 3]], slot: &str, exponents: &[[u8; 2]], samples: &[Vec3]) -> Upload {
     let mut gltf = Gltf::default();
-    let partners = if exponents.len() == 1 { [1, 0] } else { [0, 1] };
+    let is_paired = exponents.len() < triangles.len();
+    let partners: Vec<u32> =
+        (0..triangles.len() as u32).map(|number| number ^ u32::from(is_paired)).collect();
     let samples: Vec<f32> = samples.iter().flat_map(|sample| sample.to_array()).collect();
     let colors = json!({
         "partners": gltf.indices(&partners),
@@ -100,7 +102,7 @@ fn edges_run_as_the_page_says() {
         for (one, other) in (0..3).flat_map(|one| (0..3).map(move |other| (one, other))) {
             let (first, second) = (turned(first, one), turned(second, other));
             let samples: Vec<Vec3> = places(first, second).into_iter().map(painted).collect();
-            let conversion = converted(&square([first, second], DATA, &[EXPONENTS], &samples));
+            let conversion = converted(&square(&[first, second], DATA, &[EXPONENTS], &samples));
             let positions = &conversion.asset.meshes[0].primitives[0].positions;
             let piece = &conversion.finished.primitives[0];
             for (number, triangle) in piece.triangles.iter().enumerate() {
@@ -122,17 +124,14 @@ fn edges_run_as_the_page_says() {
 
 #[test]
 fn triangles_alone_tell_what_they_cost() {
-    let halves = [[0, 1, 2], [0, 2, 3]];
-    // Whichever corner a triangle's half square lacks, what lies there has a component of 0 + 0 - 1.
-    let samples = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::Y];
-    assert_eq!(told(&square(halves, DATA, &[[0; 2]; 2], &samples), "samples_changed"), 1);
-    assert_eq!(told(&square(halves, DATA, &[[0; 2]], &samples), "samples_changed"), 0, "partners");
+    // A front and a back, so that every edge has two sides.
+    let both = &[[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    // Whichever corner the first triangle's half square lacks, what lies there has a component of 0 + 0 - 1.
+    let samples = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ZERO];
+    assert_eq!(told(&square(both, DATA, &[[0; 2]; 4], &samples), "samples_changed"), 1);
+    assert_eq!(told(&square(both, DATA, &[[0; 2]; 2], &samples), "samples_changed"), 0, "partners");
     let samples = samples.map(|sample| sample * 0.3 + 0.3);
-    assert_eq!(
-        told(&square(halves, DATA, &[[0; 2]; 2], &samples), "samples_changed"),
-        0,
-        "away from 0 and 1"
-    );
+    assert_eq!(told(&square(both, DATA, &[[0; 2]; 4], &samples), "samples_changed"), 0, "away from 0 and 1");
 }
 
 #[test]
@@ -141,7 +140,7 @@ fn normals_that_are_none_are_told() {
     for (normal, count) in
         [(Vec3::Z, 0), (Vec3::new(0.0, 0.6, 0.8), 0), (Vec3::ZERO, 1), (Vec3::new(3.0, 4.0, 0.0), 1)]
     {
-        let upload = square(halves, "normalTexture", &[[0; 2]], &[Vec3::Z, Vec3::Z, normal, Vec3::Z]);
+        let upload = square(&halves, "normalTexture", &[[0; 2]], &[Vec3::Z, Vec3::Z, normal, Vec3::Z]);
         assert_eq!(told(&upload, "mesh_color_not_unit"), count, "{normal}");
     }
 }
